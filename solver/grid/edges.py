@@ -138,17 +138,17 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     theta, _, spread = edge_offset(half_space, lone_ends(half_space, patches, pressure, _in_row))
     on_thick = (patches.size < _NARROW * thickness) & (thickness > _NARROW)
     narrow = on_thick & (spread < _ALIKE)
-    by_curve = 0.0
+    by_curve = if_wide = 0.0
     if thickness < math.inf and not narrow.all():
         curve = layer.edge_curve
         wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure))
         theta, spread = np.where(narrow, theta, wide), np.where(narrow, spread, spread_of_wide)
-        by_curve = curve.error
+        by_curve, if_wide = curve.error, FITTED.of_size_if_wide * curve.power
     unresolved = patches.size < UNRESOLVED_BELOW
     theta = theta + _by_load(patches, theta, narrow & ~unresolved)
     outside = np.where(unresolved, 0.5, -theta)
     left, right = patches.first - outside[0], patches.last + outside[1]
-    by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, FITTED.of_size_if_wide / patches.size)
+    by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, if_wide / patches.size)
     by_gap = FITTED.beside_gap / patches.gap**2
     resolved = max(thickness, _NARROW)
     by_layer = FITTED.of_layer * (patches.size / resolved) ** 3 / resolved

@@ -121,15 +121,20 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         if math.prod(data.shape) > int(most):
             raise RefusedError(f"profile_dataset is {name!r} of shape {data.shape}; allowed: up to {most} numbers")
         _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
-        said = ("long_name", "standard_name", "description", "positive")
-        label = [str(name).rpartition("/")[2], *(_text(data, key) for key in data.attrs if key.lower() in said)]
-        unit = ",".join({_text(data, key): 0 for key in data.attrs if re.search(r"(?:^|_)units?$", key, re.I)})
+        units = [key for key in data.attrs if re.search(r"(?:^|_)units?$", key, re.I)]
+        words = [key for key in data.attrs if key not in units and not _is_number(data.attrs[key])]
+        label = [*str(name).split("/"), *(_text(data, key) for key in words)]
+        unit = ",".join({_text(data, key): 0 for key in units})
         for above in (file, data.parent):
             for key in filter(_PACKING.match, above.attrs):
                 raise RefusedError(
                     f"profile_dataset is {name!r}, in a group whose attribute {key!r} may change it; allowed: none"
                 )
         return Columns(_unpacked(data[()], data.attrs, f"profile_dataset is {name!r}"), unit, " ".join(label).strip())
+
+
+def _is_number(value: object) -> bool:
+    return np.asarray(value).dtype.kind in "biufc"
 
 
 def _text(data: "h5py.Dataset", name: str) -> str:
@@ -149,7 +154,7 @@ def _unpacked(values: NDArray[Any], attributes: "h5py.AttributeManager", what: s
             if not good or (linear and not np.isfinite(number[0])) or (name == "scale_factor" and number[0] == 0):
                 raise RefusedError(f"{what}, whose attribute {name} is {str(attributes[name])[:40]}; allowed: a number")
             given[name] = number.astype(np.float64)
-        elif _PACKING.match(name):
+        elif _PACKING.match(name) or (values.dtype.kind in "iu" and _is_number(attributes[name])):
             raise RefusedError(f"{what}, whose attribute {name!r} may change it; allowed: {', '.join(_PACKED)}")
     if not given:
         return values

@@ -99,11 +99,12 @@ def _places(table: Table) -> dict[str, int]:
     if empty and "z" not in roles:
         raise ValueError(f"column {empty[0]!r} holds no numbers; allowed: heights, or columns that names others")
     second = len(numeric) > 2 and any(re.match(r"y\b", label.text.lower()) for label in labels)
-    if len(numeric) == 1 and roles[0] not in ("x", "index") and "x" not in [label.role for label in without]:
+    known = all(labels[i].role or labels[i].asks or not labels[i].text for i in numeric)
+    if len(numeric) == 1 and known and roles[0] not in ("x", "index") and "x" not in [label.role for label in without]:
         return {"z": first}
     if roles.count("x") == roles.count("z") == 1 and not second:
         return {axis: numeric[roles.index(axis)] for axis in "xz"}
-    if len(numeric) == 2 and roles[0] != "z" and roles[1] not in ("x", "index"):
+    if known and len(numeric) == 2 and roles[0] != "z" and roles[1] not in ("x", "index"):
         return {"z": last} if roles[0] == "index" else {"x": first, "z": last}
     named = ", ".join(repr(labels[i].text) for i in numeric[:8])
     texts = f" labelled {named}" * any(label.text for label in labels)

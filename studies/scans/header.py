@@ -20,6 +20,9 @@ _ROLES = {
     "z": r"z|h|heights?|profile?|raw|topography|elevation|vertical|level(?:l?ed)?|filtered|h\u00f6he|hoehe|hauteur",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|horizontal|track|travel|weg|abstand",
 }
+_FURTHER = (
+    r"units?|of|the|in|and|data|values?|axis|coordinates?|surface|primary|roughness|waviness|measured|corrected|mean"
+)
 # heights under such words may grow into the valleys
 DEEP = re.compile(
     r"(?i)depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
@@ -38,6 +41,7 @@ _OTHER_UNIT = re.compile(
 )
 # a number that may have to be applied
 _FACTOR = re.compile(r"(?i)(?:^|[^a-z])[xyzvh]?[\s_-]?(?:scal|factor|bit2|lsb|gain|multiplier)\w*\W+([-+]?\d\S*)")
+_ONE = re.compile(r"\+?1(?:[.,]0*)?(?![\w:/^*-])")
 _BRACKET = r"[\[({<]\s*(?:in\s+|units?\s*:\s*)?([^\[\](){}<>]*?)\s*[\])}>]"
 _CELL = r"(?:^|[,;\t=:])\s*\"?[-+]?[\d.]+\"?\s*[,;\t]\s*\"?"  # a number alone, before the cell of its unit
 # a number and its unit, or a unit and the number in it: the value of a parameter
@@ -63,12 +67,20 @@ class Label(NamedTuple):
 
     @property
     def role(self) -> str:
-        """'x', 'z', 'index', or empty if its words say two things, or none."""
+        """'x', 'z', 'index', or empty if its words say two things, or none, or if one of them is unknown."""
         words = re.findall(r"[^\W\d_]+|#", self.name.lower())
         said = {role for role, known in _ROLES.items() if any(re.fullmatch(known, word) for word in words)}
+        known = "|".join((*_ROLES.values(), _FURTHER))
+        if not DEEP.search(self.name) and not all(re.fullmatch(known, word) or unit_of(word) for word in words):
+            return ""
         said |= {"z"} if DEEP.search(self.name) else set()
         said = said - {"index"} if len(said) > 1 else said  # "sample position"
         return said.pop() if len(said) == 1 else ""
+
+    @property
+    def asks(self) -> bool:
+        """Whether a question is asked about it in any case: a depth, or no length."""
+        return bool(DEEP.search(self.name) or self.no_length)
 
     @property
     def bare(self) -> str:
@@ -94,7 +106,7 @@ class Header(NamedTuple):
         without = not any(label.bracket for label in self.labels)  # else only lines that tell a unit count, and factors
         for line in self.rest:
             factor = _FACTOR.search(line)
-            applied = factor[0].strip() if factor and factor[1].rstrip(".,0;") != "1" else ""
+            applied = factor[0].strip() if factor and not _ONE.match(factor[1]) else ""
             about = _UNIT_LINE.search(line)
             near = re.findall(_BRACKET, line) if line in self.rest[-_NEAR:] else []
             words = re.split(r"[\s:=,;\"]+", line[about.start() :])[1:] if about else []
@@ -123,7 +135,8 @@ def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) ->
         labels, above = (_labels(line, delimiter, count, least) for line in (kept[i], kept[i - 1] if i else ""))
         under = [label.bracket or label.name for label in labels]
         units = all(not unit or unit_of(unit) or _OTHER_UNIT.fullmatch(unit) for unit in under)
-        if any(label.name for label in above) and any(under) and units:
+        alone = not any(label.name and label.bracket for label in labels)
+        if any(label.name for label in above) and any(under) and units and alone:
             pairs = zip(above, under, strict=True)
             merged = [Label(a.name, ",".join(dict.fromkeys(filter(None, (a.bracket, unit))))) for a, unit in pairs]
             return Header(merged, kept[: i - 1] + kept[i + 1 :])
