@@ -1,5 +1,6 @@
 """Processes as they happen to be: with threads, forked, after a power cut, without streams, on full disks, or wrong."""
 
+import functools
 import math
 import os
 import shutil
@@ -575,3 +576,15 @@ def test_what_ctrl_c_waits_for_is_said_where_it_takes_longer(monkeypatch, capsys
         signal.signal(signal.SIGINT, ignored)
     first = f"{console._WAIT}\n" * (pause > 0)
     assert " ".join(capsys.readouterr().err.split()) == " ".join(f"{first}linecontact: interrupted".split())
+
+
+@posix
+def test_workers_go_on_where_the_caller_ignores_ctrl_c(tmp_path):
+    """As in a script's background, where Ctrl-C is meant for another program."""
+    command = [sys.executable, "-m", "linecontact.studies", "curve", "--num-points", "2^10", "--points", "6"]
+    ignore = functools.partial(signal.signal, signal.SIGINT, signal.SIG_IGN)
+    with subprocess.Popen([*command, "--workers", "2", "--folder", str(tmp_path)], preexec_fn=ignore) as process:
+        while not [*tmp_path.rglob("tasks/*")] and process.poll() is None:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 0

@@ -224,7 +224,12 @@ def _flag_for_ctrl_c(executor: Executor) -> Iterator[_Flag]:
     Raised as an exception, the first could be lost in an executor's callback.
     """
     flag = _Flag()
-    if isinstance(executor, executors.InProcess) or threading.current_thread() is not threading.main_thread():
+    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN  # as in a script's background
+    if (
+        isinstance(executor, executors.InProcess)
+        or ignored
+        or threading.current_thread() is not threading.main_thread()
+    ):
         yield flag
         return
 
