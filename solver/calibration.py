@@ -19,7 +19,8 @@ class Calibration:
     of_size: float
     """The same times the square of the nodes of its patch [grid spacings],"""
     of_size_if_wide: float
-    """and in patches that are wide beside the layer, times these nodes, beside the former [grid spacings]."""
+    """and in patches that are wide beside the layer, times these nodes, over the power with which the pressure grows
+    (`EdgeCurve.power`), beside the former [grid spacings]."""
     beside_gap: float
     """Error of an end by pressures, times the square of the nodes of the gap beside it [grid spacings]."""
     of_heights: float

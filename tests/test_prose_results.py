@@ -100,7 +100,7 @@ def errors_of_the_hertz_study():
     yield f"known to {digits(max(off for thickness, off in edges if thickness > 5))} grid spacings, as long as"
     yield f"{FITTED.of_difference:g}$/\\sqrt m$ of the difference between two estimates to the power"
     yield f"3/2, {FITTED.of_size:g}$/m^2$ and {FITTED.beside_gap:g}$/k^2$"
-    yield f"in patches wide beside the layer also {FITTED.of_size_if_wide:g}$/m$"
+    yield f"in patches wide beside the layer also {FITTED.of_size_if_wide:g}$\\,t/m$"
     yield f"if that is more, and {FITTED.of_heights:g}$/k^2$; of several patches"
     yield f"{FITTED.of_heights:g} of the sixth over the second difference of the heights"
     yield f"{FITTED.of_heights_at_gaps:g} of the fourth over the second difference of the heights"

@@ -1,6 +1,5 @@
 """Positions and heights in a file: text, .npy, HDF5 datasets, and the formats of instruments."""
 
-import os
 import re
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from linecontact.solver.display import counted
 from linecontact.solver.scene import MAX_POINTS
 
 from ..files import confined
+from ..terminal.text import shown_name
 from ..terminal.units import UNITS, unit_of
 from .header import Header, Label
 from .text import Decimal, Table, read_text
@@ -50,11 +50,6 @@ def load(path: Path, dataset: str | None, columns: str | None, decimal: Decimal 
     except confined.BrokenError as error:
         allowed = f"{', '.join(known)}, and with `pip install SurfaceTopography` the formats that it reads"
         raise ValueError(f"it is damaged, or of no known kind: {error}; allowed: {allowed}") from None
-
-
-def shown_name(path: Path) -> str:
-    """The file's name for records: they are UTF-8, which not all names are."""
-    return os.fsencode(path.name).decode("utf-8", "backslashreplace")
 
 
 def _table(found: Any, origin: str) -> Table:
@@ -99,7 +94,7 @@ def _places(table: Table) -> dict[str, int]:
     if empty and "z" not in roles:
         raise ValueError(f"column {empty[0]!r} holds no numbers; allowed: heights, or columns that names others")
     second = len(numeric) > 2 and any(re.match(r"y\b", label.text.lower()) for label in labels)
-    known = all(labels[i].role or labels[i].asks or not labels[i].text for i in numeric)
+    known = all(labels[i].role or labels[i].asks for i in numeric)
     if len(numeric) == 1 and known and roles[0] not in ("x", "index") and "x" not in [label.role for label in without]:
         return {"z": first}
     if roles.count("x") == roles.count("z") == 1 and not second:
@@ -145,9 +140,8 @@ def units(found: Table, given: dict[str, str | None], unknown: str | None) -> di
         line = next((line for line, said, _ in found.head.said() if said), labels)
         why = f" (its line {line[:60]!r} is not understood: labels are like 'x [um]', parted as the rows are)"
         seen = f"the file names no unit of its {kinds}{why if line else ''}"
-        many = "are" if len(missing) > 1 else "is"
         allowed = f"{', '.join(UNITS)}; or scene_units, if its numbers are in the scene's own unit"
-        raise ValueError(f"{names} {many} missing: {seen}; allowed: {allowed}")
+        raise ValueError(f"{names} {'are' if missing[1:] else 'is'} missing: {seen}; allowed: {allowed}")
     return units
 
 

@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 from ..terminal.units import plain, unit_of
 
-_LONGEST = 1000  # characters of a line that is looked at
+_LONGEST = 10_000  # characters of a line
 _NEAR = 3  # lines above the rows, in which labels are looked for
+_POWERS = str.maketrans({"\u00b2": "^2", "\u00b3": "^3"})
 _COMMENT = "#%*;!/\"' \t"
 _LABEL = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]|([^\[\]()]*)")
 _ROLES = {
@@ -20,9 +21,7 @@ _ROLES = {
     "z": r"z|h|heights?|profile?|raw|topography|elevation|vertical|level(?:l?ed)?|filtered|h\u00f6he|hoehe|hauteur",
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|horizontal|track|travel|weg|abstand",
 }
-_FURTHER = (
-    r"units?|of|the|in|and|data|values?|axis|coordinates?|surface|primary|roughness|waviness|measured|corrected|mean"
-)
+_FURTHER = r"units?|of|the|in|data|values?|axis|coordinates?|surface|primary|roughness|waviness|measured|mean"
 # heights under such words may grow into the valleys
 DEEP = re.compile(
     r"(?i)depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
@@ -41,7 +40,6 @@ _OTHER_UNIT = re.compile(
 )
 # a number that may have to be applied
 _FACTOR = re.compile(r"(?i)(?:^|[^a-z])[xyzvh]?[\s_-]?(?:scal|factor|bit2|lsb|gain|multiplier)\w*\W+([-+]?\d\S*)")
-_ONE = re.compile(r"\+?1(?:[.,]0*)?(?![\w:/^*-])")
 _BRACKET = r"[\[({<]\s*(?:in\s+|units?\s*:\s*)?([^\[\](){}<>]*?)\s*[\])}>]"
 _CELL = r"(?:^|[,;\t=:])\s*\"?[-+]?[\d.]+\"?\s*[,;\t]\s*\"?"  # a number alone, before the cell of its unit
 # a number and its unit, or a unit and the number in it: the value of a parameter
@@ -79,8 +77,8 @@ class Label(NamedTuple):
 
     @property
     def asks(self) -> bool:
-        """Whether a question is asked about it in any case: a depth, or no length."""
-        return bool(DEEP.search(self.name) or self.no_length)
+        """Whether nothing in it goes unsaid: it is empty, or its depth or another quantity is asked about."""
+        return not self.text or bool(DEEP.search(self.name) or self.no_length)
 
     @property
     def bare(self) -> str:
@@ -106,7 +104,7 @@ class Header(NamedTuple):
         without = not any(label.bracket for label in self.labels)  # else only lines that tell a unit count, and factors
         for line in self.rest:
             factor = _FACTOR.search(line)
-            applied = factor[0].strip() if factor and not _ONE.match(factor[1]) else ""
+            applied = factor[0].strip() if factor and not re.match(r"\+?1(?:[.,]0*)?(?![\w:/^*-])", factor[1]) else ""
             about = _UNIT_LINE.search(line)
             near = re.findall(_BRACKET, line) if line in self.rest[-_NEAR:] else []
             words = re.split(r"[\s:=,;\"]+", line[about.start() :])[1:] if about else []
@@ -122,21 +120,22 @@ def cells(line: str, delimiter: str | None) -> list[str]:
     """The cells of a line; delimiter: None for spaces."""
     if delimiter is None:
         return line.replace('"', " ").split()
-    if '"' in line and len(line) <= _LONGEST:
+    if '"' in line:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
     return [cell.strip() for cell in line.split(delimiter)]
 
 
 def read(lines: Sequence[str], delimiter: str | None, count: int, least: int) -> Header:
     """The labels of `count` columns, of which the first `least` must have one, in the lines above; and the others."""
-    lines = [line.replace("\u00b2", "^2").replace("\u00b3", "^3") for line in lines if len(line) <= _LONGEST]
-    kept = [line for line in (plain(line).strip(_COMMENT) for line in lines) if line]
+    if (longest := max(map(len, lines), default=0)) > _LONGEST:
+        raise ValueError(f"a line above the rows has {longest} characters; allowed: up to {_LONGEST}")
+    kept = [*filter(None, (plain(line.translate(_POWERS)).strip(_COMMENT) for line in lines))]
     for i in reversed(range(len(kept))[-_NEAR:]):
         labels, above = (_labels(line, delimiter, count, least) for line in (kept[i], kept[i - 1] if i else ""))
         under = [label.bracket or label.name for label in labels]
-        units = all(not unit or unit_of(unit) or _OTHER_UNIT.fullmatch(unit) for unit in under)
-        alone = not any(label.name and label.bracket for label in labels)
-        if any(label.name for label in above) and any(under) and units and alone:
+        alone = not any(label.name and label.bracket for label in labels) and any(under)
+        units = alone and all(not unit or unit_of(unit) or _OTHER_UNIT.fullmatch(unit) for unit in under)
+        if units and any(label.name for label in above):
             pairs = zip(above, under, strict=True)
             merged = [Label(a.name, ",".join(dict.fromkeys(filter(None, (a.bracket, unit))))) for a, unit in pairs]
             return Header(merged, kept[: i - 1] + kept[i + 1 :])

@@ -81,7 +81,6 @@ def spikes(z: Array64, both: bool = False) -> Indices:
 def _stand_out(level: Array64) -> Mask:
     """Whether heights are far above the valleys on both sides, compared with most others."""
     windows = np.lib.stride_tricks.sliding_window_view
-    # at the ends the valley on the inner side counts
     lowest = windows(np.pad(level, _SPIKE, constant_values=level.min()), _SPIKE + 1).min(axis=1)
     above = level - windows(lowest, _SPIKE + 1).max(axis=1)
     return np.asarray(above > max(_HIGH * float(level.std()), _UNLIKE * float(np.quantile(above, _MANY))))

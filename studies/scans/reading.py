@@ -16,7 +16,7 @@ from linecontact.solver.units import SCENE, named
 
 from ..files.writing import as_path
 from ..terminal.options import options_of, refused, text
-from ..terminal.text import is_refusal
+from ..terminal.text import is_refusal, shown_name
 from ..terminal.units import UNITS, Unit
 from . import columns
 from .columns import MAX_REFINEMENT
@@ -158,14 +158,13 @@ def _read(options: Options) -> Scan:
     n = _choose_grid(options, count, measured)
     profile.resample(n)
     description = {
-        "profile_file": columns.shown_name(options.profile_file),
+        "profile_file": shown_name(options.profile_file),
         "profile_convention": options.profile_convention or "heights",
         "profile_values": count,
         **{f"profile_{axis}_unit": unit for axis, unit in units.items()},
         "profile_length_unit": SCENE if set(units.values()) == {SCENE} else options.length_unit or _DEFAULT,
         **scan,
-        **({"profile_missing": "; ".join(told)} if told else {}),
-        **({"profile_doubts": "; ".join(profile.doubts)} if profile.doubts else {}),
+        **{f"profile_{name}": "; ".join(of) for name, of in (("missing", told), ("doubts", profile.doubts)) if of},
         "profile_steps": "; ".join([found.origin, *profile.steps, "shifted to h >= 0"]),
     }
     indenter = MeasuredIndenter(profile.z, measured, description, profile.length, convention="gap")
@@ -238,8 +237,7 @@ def _statistics(profile: Profile) -> dict[str, float]:
 
 def _choose_grid(options: Options, values: int, in_period: int) -> int:
     """The number of grid points. Raises `ValueError`."""
-    most = MAX_REFINEMENT * values
-    n = options.num_points
+    most, n = MAX_REFINEMENT * values, options.num_points
     if n is None and options.accuracy is not None:
         n = next(n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and next_fast_len(n) == n)
     elif n is None:

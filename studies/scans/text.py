@@ -5,6 +5,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Sequence, Set
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -29,9 +30,7 @@ _PLAIN = {"point": str.maketrans("", "", "," + _BETWEEN), "comma": str.maketrans
 _MISSING = re.compile(r"\W*|[-+]?(?:1\.)?#?(?:nan|qnan|ind)|n\.?/?a\.?|#\w+/?\w*!?|null|none|missing|invalid|bad", re.I)
 _TORN = re.compile(r"(?=.*\d)(?=.*[,;\s])[-+\d.,;\s]*")  # digits and separators: parted in another way
 _FIGURE = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?\"?"
-_LIKE_ROW = re.compile(
-    rf"[\s\"]*{_FIGURE}(?:[\s\";,]+{_FIGURE}(?![\w:/.-])|\s*$)"
-)  # begins with two numbers, or is one
+_LIKE_ROW = re.compile(rf"[\s\"]*{_FIGURE}(?:[\s\";,]+{_FIGURE}(?![\w:/.-])|\s*$)")  # two numbers and more, or one
 _MINUS = str.maketrans("\u2212\u2013", "--")  # as it is printed
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", None: "spaces"}
 
@@ -68,10 +67,8 @@ class _Writing(NamedTuple):
     def number(self, cell: str) -> float:
         """The number in a cell, NaN for a missing one, inf for anything else."""
         if self.decimal == "point" and "_" not in cell:  # most are plain
-            try:
+            with suppress(ValueError):
                 return float(cell)
-            except ValueError:
-                pass
         if _NUMBERS[self.decimal].fullmatch(cell):
             return float(cell.translate(_PLAIN[self.decimal]))
         return math.nan if _MISSING.fullmatch(cell) else math.inf

@@ -4,10 +4,16 @@ import io
 import math
 import os
 import sys
+from pathlib import Path
 from typing import Any, TextIO
 
 IN_RANGE = f"a number of {math.ulp(0.0):.1e} to {sys.float_info.max:.1e} in size"
 """The allowed values where `number` raises `OverflowError`."""
+
+
+def shown_name(path: Path) -> str:
+    """The file's name for records: they are UTF-8, which not all names are."""
+    return os.fsencode(path.name).decode("utf-8", "backslashreplace")
 
 
 def number(words: str) -> float:
