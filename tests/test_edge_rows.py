@@ -35,7 +35,7 @@ def row(width, gap, repeats=1):
     [(1.05, 0.013, 128), (3.0, 0.007, 128), (8.0, 0.003, 128), (30.0, 3e-4, 128), (56.2, 6e-3, 64), (118.0, 2e-3, 128)],
 )
 def test_ends_of_a_row_between_the_nodes(least, off, period):
-    """Beside gaps of one spacing and more, and for patches of six and more, within the estimated error."""
+    """Beside gaps of one spacing and more, and for patches of six and more, within 1.5 times the estimated error."""
     for more in np.linspace(0, 1.9, 7):
         gap = least + more
         solution = row(period - gap, gap)
@@ -43,7 +43,7 @@ def test_ends_of_a_row_between_the_nodes(least, off, period):
         ends = on_half_space(patches, solution.contact_pressure[patches.nodes])
         wrong = abs(ends.width[0] - (period - gap))
         assert wrong < 2 * off
-        assert wrong <= ends.error[0] < max(250 * off, 0.06)
+        assert wrong <= 1.5 * ends.error[0] < max(375 * off, 0.09)
 
 
 @pytest.mark.parametrize(

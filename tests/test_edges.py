@@ -269,7 +269,7 @@ def test_nonsense_beyond_the_grid_is_not_known():
 def test_the_error_estimate_holds_the_truth(points, d, nu):
     exact = collocation.solve_load(1.7e-3, 2.0, 1.0, d, nu)
     found = solve(Scene(Layer(d, nu), pressure=1.7e-3, num_points=points)).observables
-    assert abs(found.contact_area_subgrid - exact.contact_area) < 1.1 * found.contact_area_error
+    assert abs(found.contact_area_subgrid - exact.contact_area) < 1.5 * found.contact_area_error
     assert abs(found.contact_area_subgrid - exact.contact_area) < 2 / points
 
 
