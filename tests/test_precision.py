@@ -11,6 +11,7 @@ from linecontact.solver import (
     METHODS,
     CoatedHalfSpace,
     Layer,
+    MeasuredIndenter,
     PowerIndenter,
     RoughIndenter,
     Scene,
@@ -110,4 +111,14 @@ def test_what_float32_does_not_settle_says_which_precision_may():
     failed = solve(replace(scene, precision="float32"))
     assert failed.status is Status.STAGNATED
     assert str(failed.reason).endswith("allowed: another, or precision mixed or float64")
+    assert solve(scene).status is Status.CONVERGED
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_images_whose_squares_float32_does_not_hold():
+    """Two nodes on a very thin incompressible layer (found by a soak)."""
+    heights = np.full(3**10, 5.9875e-4)
+    heights[[14434, 21842]] = 0
+    indenter, layer = MeasuredIndenter(heights, convention="gap"), Layer(9.62222e-11, 0.5)
+    scene = Scene(layer, indenter, 0.00037680477703036416, num_points=3**10, precision="mixed")
     assert solve(scene).status is Status.CONVERGED

@@ -151,7 +151,8 @@ class Surface:
     def _advance(self, step: float, direction: Array64, image: Array) -> None:
         """Add the latest image times a step to the response."""
         factor, cause = (self._at.error, direction) if isinstance(self._at, Nearby) else (self._rounding, image)
-        size = abs(step) * float(np.linalg.norm(cause)) / math.sqrt(self._problem.num_points)
+        norm = float(np.linalg.norm(cause.astype(np.float64, copy=False)))  # whose square float32 may not hold
+        size = abs(step) * norm / math.sqrt(self._problem.num_points)
         self.drift = math.hypot(self.drift, factor * size)  # first: an interruption must not hide it
         self._at.advance(step)
 
