@@ -177,8 +177,7 @@ def _complete(found: Table, options: Options) -> tuple[Table, list[str], list[st
     z, alone = values[:, -1], values.shape[1] == 1
     if alone and z[0] == z.size - 1 >= _FEWEST:
         raise ValueError(f"{found.row(0)}: {z[0]:g} is the number of the values below it; allowed: heights alone")
-    how = options.missing or ("refuse" if np.isnan(values).any() else "interpolate")
-    told = list[str]()
+    how, told = options.missing or ("refuse" if np.isnan(values).any() else "interpolate"), list[str]()
     if options.invalid is not None:
         z[marked(z, options.invalid)] = np.nan
     if options.despike:
