@@ -159,6 +159,7 @@ def test_a_signal_that_interrupts_another_s_handler():
                 signal.raise_signal(signal.SIGINT)
 
     before = signal.signal(signal.SIGALRM, give_up)
+    ignored = signal.signal(signal.SIGINT, signal.default_int_handler)  # perhaps, in the background of a script
     signal.alarm(10)
     executor = executors.Processes(1, None)
     try:
@@ -174,3 +175,4 @@ def test_a_signal_that_interrupts_another_s_handler():
     finally:
         signal.alarm(0)
         signal.signal(signal.SIGALRM, before)
+        signal.signal(signal.SIGINT, ignored)
