@@ -629,8 +629,9 @@ def test_a_loaded_solution_in_the_place_of_anything_is_shown_in_a_few_words(tmp_
         lambda one: linecontact.plot(solve(Scene(num_points=64)), one),
         lambda one: Scene(indenter=one),
     ]
+    shortened = r" is (StoredSolution: .* \.\.\.|of type StoredSolution); allowed: "
     for call in calls:
-        with pytest.raises(ValueError, match=r" is (StoredSolution: .* \.\.\.|of type StoredSolution); allowed: ") as caught:
+        with pytest.raises(ValueError, match=shortened) as caught:
             call(stored)
         shown = str(caught.value).partition(" is ")[2].partition("; allowed: ")[0]
         assert len(shown) <= 80
