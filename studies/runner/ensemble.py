@@ -225,11 +225,8 @@ def _flag_for_ctrl_c(executor: Executor) -> Iterator[_Flag]:
     """
     flag = _Flag()
     ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN  # as in a script's background
-    if (
-        isinstance(executor, executors.InProcess)
-        or ignored
-        or threading.current_thread() is not threading.main_thread()
-    ):
+    elsewhere = threading.current_thread() is not threading.main_thread()
+    if isinstance(executor, executors.InProcess) or ignored or elsewhere:
         yield flag
         return
 

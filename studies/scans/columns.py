@@ -101,8 +101,7 @@ def _places(table: Table) -> dict[str, int]:
         return {axis: numeric[roles.index(axis)] for axis in "xz"}
     if known and len(numeric) == 2 and roles[0] != "z" and roles[1] not in ("x", "index"):
         return {"z": last} if roles[0] == "index" else {"x": first, "z": last}
-    named = ", ".join(repr(labels[i].text) for i in numeric[:8])
-    texts = f" labelled {named}" * any(label.text for label in labels)
+    texts = f" labelled {', '.join(repr(labels[i].text) for i in numeric[:8])}" * any(label.text for label in labels)
     texts += "".join(f", none below {label.text!r}" for label in without[:8] if label.text)
     row = ", ".join(f"{value:g}" for value in table.values[0, numeric[:8]])
     seen = f"the file has {counted(len(numeric), 'column')} of numbers{texts}, the first row {row}"

@@ -22,6 +22,7 @@ _ROLES = {
     "x": r"x|lateral|positions?|pos|distance|dist|length|scan|horizontal|track|travel|weg|abstand",
 }
 _FURTHER = r"units?|of|the|in|data|values?|axis|coordinates?|surface|primary|roughness|waviness|measured|mean"
+_KNOWN = re.compile("|".join((*_ROLES.values(), _FURTHER)))
 # heights under such words may grow into the valleys
 DEEP = re.compile(
     r"(?i)depth|tief|diepte|profond|profun|creux|g\u0142\u0119bok|\u0433\u043b\u0443\u0431|\u6df1|penetrat|indentation|spalt|recess|below|bulk"
@@ -68,10 +69,10 @@ class Label(NamedTuple):
         """'x', 'z', 'index', or empty if its words say two things, or none, or if one of them is unknown."""
         words = re.findall(r"[^\W\d_]+|#", self.name.lower())
         said = {role for role, known in _ROLES.items() if any(re.fullmatch(known, word) for word in words)}
-        known = "|".join((*_ROLES.values(), _FURTHER))
-        if not DEEP.search(self.name) and not all(re.fullmatch(known, word) or unit_of(word) for word in words):
+        if DEEP.search(self.name):
+            said.add("z")
+        elif not all(_KNOWN.fullmatch(word) or unit_of(word) for word in words):
             return ""
-        said |= {"z"} if DEEP.search(self.name) else set()
         said = said - {"index"} if len(said) > 1 else said  # "sample position"
         return said.pop() if len(said) == 1 else ""
 

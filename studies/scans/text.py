@@ -5,7 +5,6 @@ import math
 import re
 from collections import Counter
 from collections.abc import Sequence, Set
-from contextlib import suppress
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -67,8 +66,10 @@ class _Writing(NamedTuple):
     def number(self, cell: str) -> float:
         """The number in a cell, NaN for a missing one, inf for anything else."""
         if self.decimal == "point" and "_" not in cell:  # most are plain
-            with suppress(ValueError):
+            try:
                 return float(cell)
+            except ValueError:
+                pass
         if _NUMBERS[self.decimal].fullmatch(cell):
             return float(cell.translate(_PLAIN[self.decimal]))
         return math.nan if _MISSING.fullmatch(cell) else math.inf
