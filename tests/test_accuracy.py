@@ -197,7 +197,7 @@ def test_an_interrupted_iteration_returns_what_there_is(options, monkeypatch):
 
     def interrupted_step(self):
         steps.append(1)
-        return interrupt() if len(steps) > 5 else step(self)
+        return interrupt() if len(steps) > 2 else step(self)
 
     monkeypatch.setattr(ActiveSet, "step", interrupted_step)
     solution = solve(Scene(Layer(0.1), ROUGH, 1e-2, num_points=2**12), **options)

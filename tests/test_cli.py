@@ -532,7 +532,7 @@ def test_a_reader_that_goes_away_is_no_traceback():
 
 @pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
 def test_without_a_reader_of_messages_the_status_is_the_same():
-    for words, status in ((["--pressure", "-1"], 2), (["--num-points", "64", "--max-iterations", "1"], 3)):
+    for words, status in ((["--pressure", "-1"], 2), (["--num-points", "4096", "--max-iterations", "1"], 3)):
         command = [*CLI, "solve", *words]
         with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
             process.stderr.close()

@@ -178,20 +178,6 @@ def test_a_patch_that_a_coarser_grid_does_not_have_is_found():
     assert (state.contact_pressure[nodes] > 0).all()
 
 
-def test_where_blocks_do_not_pay_any_more_nodes_have_their_values_in_the_whole_field():
-    scene = rough(2**16, pressure=0.2)
-    problem, pressure = Problem.from_scene(scene), np.zeros(2**16)
-    pressure[1000:1040] = 1.0
-    state = active_set.begin(problem, ExecutionConfig(1e-8))
-    state.start_from_pressure(pressure)
-    response, now = state._surface, state._set
-    np.testing.assert_array_equal(now.places, response._at.places(now.nodes))
-    assert response._at.nodes.size < 2**10
-    response._surround(now, np.arange(2**16))
-    assert response._at is response._all
-    np.testing.assert_array_equal(now.places, now.nodes)
-
-
 def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
     made = []
     monkeypatch.setattr(fields, "Nearby", lambda *arguments: made.append(arguments))
@@ -219,7 +205,7 @@ def test_an_operator_worse_than_it_says(error, left, monkeypatch):
     solution = solve(SCENES[0])
     assert solution.status is Status.CONVERGED
     assert not solution.handed_over
-    assert (made[-1]._split is None) is left
+    assert (made[-1].split is None) is left
     monkeypatch.setattr(Nearby, "apply", plain)
     np.testing.assert_array_equal(solution.contact, solve(SCENES[0]).contact)
 

@@ -146,7 +146,7 @@ def test_rows_of_four_steps(n, length):
         (2**20, {"threads": 2}, "four-step"),
         (2**18, {"precision": "float32"}, "real"),
         (2**20, {"precision": "float32"}, "four-step"),
-        (2**20, {"planning": "measure"}, "real"),
+        (2**20, {"planning": "measure"}, "four-step"),
         (2**18, {"way": "real"}, "real"),
     ],
 )

@@ -11,7 +11,7 @@ import pyfftw
 import pytest
 from linecontact.solver import Layer, RoughIndenter, Scene, solve
 from linecontact.solver.grid import cached
-from linecontact.solver.transforms import planned, wisdom
+from linecontact.solver.transforms import wisdom
 from linecontact.solver.transforms.planned import plan_transforms
 
 
@@ -44,18 +44,6 @@ def test_a_measured_plan_is_used_ever_after(wisdom_cache, monkeypatch, plans):
     plans.clear()
     again.forward(again.buffer())
     assert plans == {"known": 1}
-
-
-@pytest.mark.parametrize("threads", [1, 2])
-def test_what_was_measured_comes_before_four_steps(wisdom_cache, monkeypatch, threads):
-    """With as many threads; others know nothing of it."""
-    monkeypatch.setattr(planned, "FASTER", 1024)
-    assert plan_transforms(1024, "float64", threads).way == "four-step"
-    measured = plan_transforms(1024, "float64", threads, "measure")
-    measured.forward(measured.field())
-    begin_anew()
-    assert plan_transforms(1024, "float64", threads).way == "real"
-    assert plan_transforms(1024, "float64", 3 - threads).way == "four-step"
 
 
 def test_wisdom_is_kept_and_read(wisdom_cache):

@@ -122,8 +122,10 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
             level, centre = level_errors(found, around, heights, loads[chosen])
-            loads = shared_loads(patches, chosen, pressure, found, level, centre, layer.around_node)
-            found = from_loads(loads[chosen], heights, (found.middle, found.half_width), around)
+            shared = shared_loads(patches, chosen, pressure, found, level, centre, layer.around_node)[chosen]
+            error = np.where(shared > 0, error, UNRESOLVED_ERROR)
+            loads = np.where(shared > 0, shared, loads[chosen])
+            found = from_loads(loads, heights, (found.middle, found.half_width), around)
     else:  # not known better than by counting, but narrower
         found = from_loads(loads[chosen], heights, begin, modulus=layer.modulus)
         error = np.full(size.size, UNRESOLVED_ERROR)
@@ -146,7 +148,7 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
     first, size = patches.last[before] + 1, gap[before]
 
     def negative_opening(nodes: Indices) -> Array64:
-        return surface.displacement(nodes) - surface.heights.at_nodes(nodes)
+        return surface.displacement(nodes) - surface.heights.profile[nodes % n] * surface.heights.scale
 
     uneven = surface.uneven(first, size)
     error = _known(FITTED.of_heights_at_gaps * uneven[0] + FITTED.of_layer * size / surface.layer.thickness**2)

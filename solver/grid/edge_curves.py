@@ -29,7 +29,6 @@ from functools import cache, cached_property
 import numpy as np
 
 from ..arrays import Array64, Indices, gauss_legendre
-from .patches import Patches
 
 Logarithm = Callable[[Array64], Array64]
 """ln f of wave numbers q > 0 [1/grid spacing], of their shape."""
@@ -172,22 +171,6 @@ def edge_function(curve: EdgeCurve, beta: Array64, j: Indices) -> Array64:
     beta, j: broadcast against each other; the result has their common shape.
     """
     return np.asarray((1 - beta) * curve.at(j) + beta * curve.at(j - 1))
-
-
-def edge_functions(curve: EdgeCurve, patches: Patches, left: Array64, right: Array64) -> Array64:
-    """The edge functions of both ends of patches, multiplied, at their contact nodes, shape (contact nodes,).
-
-    left, right: the ends, shape (M,) [grid spacings].
-    """
-    steps = np.arange(int(patches.size.max()))
-    known, before = curve.at(steps), curve.at(steps - 1)  # of every step once, for all ends
-    inside, p = np.arange(patches.label.size) - np.repeat(patches.offset, patches.size), patches.label
-
-    def edge(beyond: Array64, j: Indices) -> Array64:
-        beta = np.clip(beyond + curve.shift, 0, 1)[p]
-        return np.asarray((1 - beta) * known[j] + beta * before[j])
-
-    return edge(left - patches.first, inside) * edge(patches.last - right, patches.size[p] - 1 - inside)
 
 
 def edge_distance(curve: EdgeCurve, theta: Array64) -> Array64:

@@ -104,11 +104,6 @@ class Edges:
         """Widths, shape (M,) [grid spacings]."""
         return self.right - self.left
 
-    @property
-    def error(self) -> Array64:
-        """Estimated errors of the widths, shape (M,) [grid spacings]: those of both ends add up."""
-        return np.asarray(self.end_errors.sum(axis=0))
-
     def total_error(self, weights: Array64 | float = 1.0) -> float:
         """Estimated error of the sum of the widths, without `unseen` [grid spacings]: the root of the sum of squares,
         because the signs of most vary from patch to patch, and a share of the sum, for those that do not.
@@ -131,11 +126,10 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     """
     none = np.zeros(patches.count, dtype=bool)
     if patches.full:
-        half = np.array([0.5])
         unknown = np.full((2, 1), 0.5 if patches.num_points < _FEWEST else 0.0)
-        return Edges(patches.first - half, patches.last + half, unknown, none, none, none)
-    thickness, half_space = layer.thickness, half_space_curve()
-    theta, _, spread = edge_offset(half_space, lone_ends(half_space, patches, pressure, _in_row))
+        return Edges(np.subtract(patches.first, 0.5), np.add(patches.last, 0.5), unknown, none, none, none)
+    thickness, curve = layer.thickness, half_space_curve()
+    theta, _, spread = edge_offset(curve, lone_ends(curve, patches, pressure, _in_row))
     on_thick = (patches.size < _NARROW * thickness) & (thickness > _NARROW)
     narrow = on_thick & (spread < _ALIKE)
     by_curve = if_wide = 0.0
@@ -152,7 +146,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     by_gap = FITTED.beside_gap / patches.gap**2
     resolved = max(thickness, _NARROW)
     by_layer = FITTED.of_layer * (patches.size / resolved) ** 3 / resolved
-    by_spread = FITTED.of_difference * spread**1.5 / np.sqrt(patches.size)
+    by_spread = FITTED.of_difference * spread**1.5 / np.sqrt(np.minimum(patches.size, resolved))
     error = np.minimum(by_spread + by_size + by_gap, UNRESOLVED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
     error = np.where(spread < _ALIKE, error, UNKNOWN)

@@ -51,10 +51,6 @@ class IndenterOnGrid:
         for name in ("squared_slope", "squared_slope_doubt") if self.num_points > MOST_POINTS else ():
             self.__dict__.pop(name, None)
 
-    def squared_slope_between(self, left: Array64, right: Array64) -> Array64 | None:
-        """See `Indenter.squared_slope_between`."""
-        return self.of.squared_slope_between(left, right, self.num_points, self._period)
-
 
 @cached
 def indenter_on_grid(indenter: Indenter, num_points: int, period: float) -> IndenterOnGrid:

@@ -62,10 +62,6 @@ class Heights:
     scale: float
     """What makes grid spacings of that length."""
 
-    def at_nodes(self, nodes: Indices) -> Array64:
-        """h at nodes, which may lie beyond the ends of the period [grid spacings]."""
-        return self.profile[nodes % self.profile.size] * self.scale
-
     def at(self, places: Array64) -> tuple[Array64, Array64]:
         """h and h' at places between the nodes, of their shape [grid spacings], from six nodes."""
         node = np.floor(places).astype(np.int64)

@@ -161,7 +161,7 @@ def peak_sampling(exponent: float | None, pressure: Array64, patches: Patches, e
     width = np.maximum(edges.width, SMALLEST)
     expected = np.where(told, share * patches.sums(inside) / width, largest)
     lead = int(np.argmax(expected))
-    doubt = expected[lead] * edges.error[lead] / width[lead] if told[lead] else 0.0
+    doubt = expected[lead] * edges.end_errors[:, lead].sum() / width[lead] if told[lead] else 0.0
     return max(bent, abs(float(expected[lead]) - highest) + float(doubt))
 
 
@@ -183,7 +183,7 @@ def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[
     if width == 0:
         return 0.0, 0.0, 0.0, math.inf
     scene, indenter, squared = problem.scene, problem.indenter, problem.indenter.squared_slope
-    known = indenter.squared_slope_between(edges.left, edges.right)
+    known = indenter.of.squared_slope_between(edges.left, edges.right, num_points, scene.period)
     if known is None:  # by the heights between ends that loads tell, or let estimate; elsewhere by the nodes
         known = np.full(patches.count, np.nan)
         told = edges.by_load | (patches.size < UNRESOLVED_BELOW) & ~edges.unresolved

@@ -144,25 +144,10 @@ def foundation_level(height: Array64, modulus: float) -> float:
     return float((height.size / modulus + lead[inside - 1]) / inside)
 
 
-def foundation_pressure(problem: Problem, modulus: float) -> Array64:
-    """The pressure, shape (N,) [p], of a Winkler foundation of that modulus [K]: where to start."""
+def foundation_pressure(problem: Problem) -> Array64:
+    """Where to start, shape (N,) [p]: on a foundation between the longest and the stiffest wave in stiffness."""
+    modulus = math.sqrt(float(problem.stiffness[1]) * float(problem.stiffness.max()))
     return modulus * np.maximum(foundation_level(problem.height, modulus) - problem.height, 0.0)
-
-
-def typical_stiffness(problem: Problem) -> float:
-    """Half of the rms pressure that presses the profile flat, over its rms height; at least that of the longest wave
-    [K].
-
-    On a rough half-space a foundation of that modulus has two to four times as much contact as the half-space; one as
-    stiff as the longest wave has ten to forty times as much. With a quarter, the whole
-    or twice the rms pressure instead of half of it solves of rough surfaces took longer.
-    """
-    highest, longest = float(problem.height.max()), float(problem.stiffness[1])
-    if not highest > 0:
-        return longest
-    modes = np.abs(rfft(problem.height / highest))[1:]
-    flat = problem.stiffness[1:] * modes
-    return max(longest, 0.5 * math.sqrt(float(flat @ flat) / float(modes @ modes)))
 
 
 def rounding_floor(stiffness: Array64, displacement: Array64, precision: str) -> float:

@@ -1,15 +1,13 @@
 """A contact pressure of a coarse grid on a finer one.
 
-At the edges of its patches it goes like a square root, which no interpolation follows; divided by the edge functions of
-both ends (`edge_curves.edge_functions`, at the ends' sub-grid positions) it is smooth. So the smooth part is
-interpolated and multiplied by the edge functions of the fine grid. The fine contact set comes out right except for a
-few nodes, and the error of the pressure is that of the coarse grid.
+At the ends of its patches it goes like a square root, which no interpolation follows. Divided by the edge functions of
+both ends (`edge_curves`) it is smooth: that is interpolated, and multiplied by the edge functions of the fine grid.
 """
 
 import numpy as np
 
-from ..arrays import Array64
-from .edge_curves import edge_functions, half_space_curve
+from ..arrays import Array64, Indices
+from .edge_curves import EdgeCurve, half_space_curve
 from .edges import UNRESOLVED_BELOW, Edges
 from .patches import Patches
 from .problem import Problem
@@ -20,33 +18,40 @@ def prolong(coarse: Problem, pressure: Array64, patches: Patches, ends: Edges, f
 
     patches, ends: of that pressure, see `contact.contact_edges`.
     """
-    num_points = finer.num_points
+    fine_pressure, n = np.zeros(finer.num_points), coarse.num_points
     if not patches.count:  # none that rounding leaves
-        return np.zeros(num_points)
-    factor = num_points / pressure.size
-    coarse_curve = fine_curve = half_space_curve()
+        return fine_pressure
     # on layers thicker than the nodes that tell an edge the half-space's is right near it, and the rest is smooth
-    if coarse.layer.thickness < UNRESOLVED_BELOW:
-        coarse_curve, fine_curve = coarse.layer.edge_curve, finer.layer.edge_curve
+    thick = coarse.layer.thickness >= UNRESOLVED_BELOW
+    coarse_curve, curve = (half_space_curve() if thick else one.layer.edge_curve for one in (coarse, finer))
+    factor, beyond = finer.num_points / n, 1 - curve.shift
     if patches.full:
-        x = np.arange(num_points) / factor
-        return np.asarray(np.interp(x, np.arange(pressure.size), pressure, period=pressure.size))
-    # the nodes whose distance beyond the edge lies between -s and 1 - s
-    beyond = 1 - fine_curve.shift
-    first = np.ceil(factor * ends.left - beyond).astype(np.int64)
-    fine = Patches(num_points, first, np.maximum(first, np.floor(factor * ends.right + beyond).astype(np.int64)))
-    nodes = np.arange(int(fine.size.sum())) - np.repeat(fine.offset - first, fine.size)
-    p = fine.label
-    smooth = pressure[patches.nodes] / np.maximum(edge_functions(coarse_curve, patches, ends.left, ends.right), 1e-3)
-    coarse_nodes = np.arange(smooth.size) - np.repeat(patches.offset - patches.first, patches.size)
-    values = np.interp(nodes / factor, coarse_nodes, smooth)
-    values *= edge_functions(fine_curve, fine, factor * ends.left, factor * ends.right)
-    # every patch keeps its load, also where its nodes lie beyond its ends
-    values = np.maximum(values, 0.0)
-    lost = fine.sums(values) <= 0
-    values[lost[p]] = 1.0
-    values *= (factor * patches.sums(pressure[patches.nodes]) / fine.sums(values))[p]
-    fine_pressure = np.zeros(num_points)
-    # never 0: the node belongs to the contact
-    fine_pressure[nodes % num_points] = np.maximum(values, 1e-12 * pressure.max())
+        return np.asarray(np.interp(np.arange(finer.num_points) / factor, np.arange(n), pressure, period=n))
+    left, right = factor * np.stack([ends.left, ends.right])
+    first = np.ceil(left - beyond).astype(np.int64)
+    fine = Patches(finer.num_points, first, np.maximum(first, np.floor(right + beyond).astype(np.int64)))
+    smooth = pressure[patches.nodes] / _edge_functions(coarse_curve, patches, ends.left, ends.right)
+    places = _steps(fine) + first[fine.label]
+    values = np.interp(places / factor, _steps(patches) + patches.first[patches.label], smooth)
+    values *= _edge_functions(curve, fine, left, right)
+    values *= (factor * patches.sums(pressure[patches.nodes]) / fine.sums(values))[fine.label]  # each keeps its load
+    fine_pressure[places % finer.num_points] = values
     return fine_pressure
+
+
+def _steps(patches: Patches) -> Indices:
+    """Steps of each contact node from the first one of its patch."""
+    return np.arange(patches.label.size) - np.repeat(patches.offset, patches.size)
+
+
+def _edge_functions(curve: EdgeCurve, patches: Patches, left: Array64, right: Array64) -> Array64:
+    """Those of both ends of each patch [grid spacings], multiplied, at its contact nodes, above 0."""
+    p, inside = patches.label, _steps(patches)
+    known = curve.at(np.arange(-1, int(patches.size.max())))  # of every step once, from -1 on
+
+    def edge(beyond: Array64, j: Indices) -> Array64:
+        beta = np.clip(beyond + curve.shift, 0, 1)[p]
+        return np.asarray((1 - beta) * known[j + 1] + beta * known[j])
+
+    beyond = patches.size[p] - 1 - inside
+    return np.maximum(edge(left - patches.first, inside) * edge(patches.last - right, beyond), 1e-3)

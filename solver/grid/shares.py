@@ -34,8 +34,8 @@ def shared_loads(
     """The loads of all patches, shape (M,) [grid spacings], over E*, after some of them were put right.
 
     pressure: over E*, on the contact nodes in compact order; found: ends of the chosen patches with the loads that the
-    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `LayerOnGrid.around_node`. A load that would
-    not stay positive is left as it is, and all are where rounding makes the matrix singular.
+    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `LayerOnGrid.around_node`. A load that is not
+    positive now is none: that patch may not touch at all. Where rounding makes the matrix singular, all stay.
     """
 
     def at(node: Indices) -> Array64:
@@ -61,7 +61,7 @@ def shared_loads(
         some = slice(begin, begin + _TOGETHER)
         with suppress(np.linalg.LinAlgError):
             shared[some] += _changes(centre[some], moment[some], compliance[some], error[some], at)
-    return np.where(shared > 0, shared, load)
+    return shared
 
 
 def _changes(

@@ -30,19 +30,10 @@ from ..grid.few_nodes import MOST_NODES, equivalent_gaps, equivalent_half_widths
 from ..grid.patches import Patches
 from ..grid.problem import Problem
 from ..methods import ExecutionConfig, active_set, relax
-from ..scene import Scene
 from ..solution import Solution
 from .run import SMALLEST_WARP
 
 _TOLERANCE = 1e-5  # on the punch's pressure or free force; the stiffness has eight digits: of second order
-
-
-def contact_compliance(scene: Scene, contact: Mask) -> float:
-    """d(approach)/dp on the grid, the contact unchanged [length/pressure]; NaN where rounding leaves nothing of it.
-
-    contact: nodes that the wall carries, shape (N,), one of them at least.
-    """
-    return _punch(Problem.from_scene(scene), contact)[0]
 
 
 @on_one_thread()
@@ -58,15 +49,17 @@ def contact_stiffness(solution: Solution) -> float:
     if not contact.any():
         return 0.0
     problem = Problem.from_scene(solution.scene)
-    compliance, punch, surface = _punch(problem, contact)
+    compliance, punch, surface = flat_punch(problem, contact)
     if not contact.all():
         compliance -= _beyond_nodes(solution, problem, punch, surface)
     return 1 / compliance if compliance else math.inf
 
 
-def _punch(problem: Problem, contact: Mask) -> tuple[float, Array64, Array64]:
-    """d(approach)/dp on the grid [length/pressure], and, shape (N,), d sigma/dp (dimensionless) and du/dp
-    [length/pressure].
+def flat_punch(problem: Problem, contact: Mask) -> tuple[float, Array64, Array64]:
+    """d(approach)/dp on the grid, the contact unchanged [length/pressure], and, shape (N,), d sigma/dp (dimensionless)
+    and du/dp [length/pressure]; NaN where rounding leaves nothing of the first.
+
+    contact: nodes that the wall carries, shape (N,), one of them at least.
     """
     modulus = problem.scene.foundation_modulus
     compression = 1 / modulus if modulus else 0.0

@@ -23,7 +23,7 @@ from ..grid.problem import Problem
 from ..scene import Scene
 from ..solution import Choice, Solution
 from .grids import COARSEST, DEFAULT_TOLERANCE, grids
-from .linearised import contact_compliance
+from .linearised import flat_punch
 
 _MOST_SOLVES = 40  # on a grid
 _LONGEST_STEP = 30.0  # factor of the pressure
@@ -114,9 +114,9 @@ def _tried(under: Callable[[float], Solution], approach: float, pressure: float,
             high = min(high, pressure)
         step, found = math.log(_LONGEST_STEP), solution.observables.approach
         touching = found > 0 and solution.contact.any()
-        slope = pressure * contact_compliance(solution.scene, solution.contact) / found if touching else math.nan
-        if slope > 0:  # not so where rounding has eaten it, or at full contact
-            step = min(abs(off) / slope, step)
+        compliance = flat_punch(Problem.from_scene(solution.scene), solution.contact)[0] if touching else 0.0
+        if compliance > 0:  # not so where rounding has eaten it, or at full contact
+            step = min(abs(off) * found / (pressure * compliance), step)
         pressure *= math.exp(-math.copysign(step, off))
         if not low < pressure < high:
             pressure = math.sqrt(max(low, high / _LONGEST_STEP**2) * high)

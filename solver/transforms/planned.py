@@ -5,17 +5,15 @@ factors in between carry 1/N.
 """
 
 from collections.abc import Callable
-from contextlib import suppress
 
 import numpy as np
 
 from ...kernels import CHUNK
 from ..arrays import Array
-from . import wisdom
 from .backend import Transforms
 from .device import check_settings
 from .four_step import FASTER, FourStep, row_length
-from .plain import IN_PLACE, Plan, pyfftw
+from .plain import IN_PLACE
 
 
 class Real(Transforms):
@@ -81,25 +79,10 @@ def plan_transforms(
     """
     threads, planning = check_settings(threads, planning)
     if way is None:
-        long = planning == "estimate" and num_points >= FASTER and row_length(num_points)
-        way = "four-step" if long and has_poor_plan(num_points, precision, threads) else "real"
+        way = "four-step" if num_points >= FASTER and row_length(num_points) else "real"
     return WAYS[way](num_points, precision, threads, planning, backend)
 
 
 def is_in_place(num_points: int, precision: str) -> bool:
     """Whether FFTW's real transforms of that length take less time in place; there is no padding then."""
     return precision == "float64" and num_points >= IN_PLACE and num_points % CHUNK == 0
-
-
-def has_poor_plan(num_points: int, precision: str, threads: int) -> bool:
-    """Whether all that FFTW has for a real transform of that length is an estimate."""
-    wisdom.load()
-    modes = pyfftw.empty_aligned(num_points // 2 + 1, dtype=np.result_type(precision, np.complex64))
-    if is_in_place(num_points, precision):
-        values = modes.view(precision)[:num_points]
-    else:
-        values = pyfftw.empty_aligned(num_points, dtype=precision)
-    with suppress(RuntimeError):  # wisdom does not hold it
-        Plan(values, modes, threads=threads, flags=["FFTW_MEASURE", "FFTW_WISDOM_ONLY"])
-        return False
-    return True

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...arrays import Array64
 from ...grid.cached import MOST_POINTS
-from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
+from ...grid.problem import Problem, foundation_pressure, rounding_floor
 from ..method import ExecutionConfig, MethodKind
 from .fields import Everywhere
 from .free_nodes import FreeNodes
@@ -50,11 +50,9 @@ class ActiveSet(Search[ContactSet]):
         self.start_from_pressure(self.problem.wall_pressure(displacement))
 
     def start_from_pressure(self, pressure: Array64) -> None:
-        """Begin from a contact pressure, shape (N,) [p]; without any, from that of a Winkler foundation as stiff as the
-        layer is for this profile.
-        """
+        """Begin from a contact pressure, shape (N,) [p]; without any, from that of a Winkler foundation."""
         if not pressure.any():
-            pressure = foundation_pressure(self.problem, typical_stiffness(self.problem))
+            pressure = foundation_pressure(self.problem)
         nodes = np.flatnonzero(pressure > 0)
         self._set = ContactSet.of(nodes, pressure[nodes], self.problem.num_points)
         self._begin(self._begins_cautious)
@@ -129,7 +127,8 @@ class ActiveSet(Search[ContactSet]):
     def _operator_is_exact(self) -> bool:
         if not self._surface.nearby:
             return True
-        self._surface.leave_nearby(self._set)
+        self._surface.split = None
+        self._surface.renew(self._set)
         return False
 
     def _update_set(self) -> bool:

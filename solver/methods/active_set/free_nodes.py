@@ -17,7 +17,7 @@ import numpy as np
 
 from ...arrays import Array64, Mask
 from ...grid.patches import Patches
-from ...grid.problem import Problem, foundation_pressure, rounding_floor, typical_stiffness
+from ...grid.problem import Problem, foundation_pressure, rounding_floor
 from ..method import ExecutionConfig
 from .fields import Everywhere
 from .greens_function import GreensFunction
@@ -70,7 +70,7 @@ class FreeNodes(Search[FreeSet]):
 
     def start_from_pressure(self, pressure: Array64) -> None:
         if not pressure.any():
-            pressure = foundation_pressure(self.problem, typical_stiffness(self.problem))
+            pressure = foundation_pressure(self.problem)
         # nodes that penetrate stay free at first: the pressure is only about right, and most of them belong outside
         self._take(self.problem.surface_under(pressure), ~(pressure > 0))
         self._all.pairs += 1

@@ -94,11 +94,11 @@ class PatchDeflation:
             return
         self._local = RunByRun(patches, green.factor, partial(LongPatch, green))
         self._punch = self._local(np.ones(patches.nodes.size))
-        loads = patches.sums(self._punch)
         share = -(-patches.count // max(HARD if cautious else 0, _unknowns(patches.num_points)))
-        self._starts = starts = np.arange(0, patches.count, share)
+        starts = np.arange(0, patches.count, share)
         self._of_node = patches.label // share
-        self._loads = np.add.reduceat(loads, starts)
+        self._offset = patches.offset[starts]
+        self._loads = np.add.reduceat(self._punch, self._offset)
         if patches.count > 1:
             # as if the load were spread from the first to the last of the patches that share an unknown
             first, last = patches.first[starts], patches.last[np.append(starts[1:], patches.count) - 1]
@@ -109,21 +109,17 @@ class PatchDeflation:
             self._factor = _inverse_factor(coarse, self._loads)
         self._constant = self._factor.T @ (self._factor @ self._loads)
 
-    def _sums(self, values: Array64) -> Array64:
-        """Sums over the patches of each unknown."""
-        return np.add.reduceat(self.patches.sums(values), self._starts)
-
     def __call__(self, residual: Array64) -> Array64:
         """Preconditioned residual (a pressure), both shape (contact nodes,) in compact order; its sum is 0."""
         if self.patches.full:
             whole = self._green.convolution(residual.size)
             return whole(whole.stiffness, residual)
         loads = self._loads
-        moments = self._sums(self._punch * residual)
+        moments = np.add.reduceat(self._punch * residual, self._offset)
         z = self._local(residual - (moments / loads)[self._of_node])
         coarse = self._factor.T @ (self._factor @ moments)
         coarse -= self._constant * (self._loads @ coarse) / (self._loads @ self._constant)
-        coarse -= self._sums(z) / loads
+        coarse -= np.add.reduceat(z, self._offset) / loads
         return np.asarray(z + coarse[self._of_node] * self._punch)
 
 

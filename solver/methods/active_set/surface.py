@@ -40,20 +40,8 @@ class ContactSet(NodeSet):
         return cls(patches=patches, pressure=pressure, places=patches.nodes)
 
     def changed(self, new: Indices) -> tuple["ContactSet", bool]:
-        """Drop nodes that pull and add new ones, on which there is no pressure: the next set, and whether nodes were
-        dropped.
-
-        Where m nodes pull at the end of a patch, about 2m lie outside of the contact (it shrinks by half of that with
-        every update): 2m - 1 are dropped.
-        """
+        """Drop nodes that pull, add new ones without pressure: the next set, and whether nodes were dropped."""
         kept: Mask = self.pressure >= 0
-        place, first = np.arange(kept.size), self.patches.offset
-        last = first + self.patches.size - 1
-        inner = np.minimum.reduceat(np.where(kept, place, kept.size), first), np.maximum.reduceat(place * kept, first)
-        beyond = 2 * inner[0] - first, 2 * inner[1] - last
-        label = self.patches.label
-        bears = (inner[0] <= inner[1]) & (beyond[0] < beyond[1])
-        kept &= ~bears[label] | ((place > beyond[0][label] - 2) & (place < beyond[1][label] + 2))
         if not (new.size or kept.any()):
             kept[np.argmax(self.pressure)] = True
         nodes = np.sort(np.concatenate([self.nodes[kept], new]), kind="stable")  # merges two ordered parts
@@ -74,7 +62,7 @@ class Surface:
         """everywhere: the response on all nodes. split: of G, to work near the contact only where that pays; None: on
         all nodes.
         """
-        self._problem, self._split, self._all = problem, split, everywhere
+        self._problem, self.split, self._all = problem, split, everywhere
         self._at: Everywhere | Nearby = everywhere
         # added to an image by rounding to float32, as rms pressure over the rms of the image [p/u]
         rms = math.sqrt(float(np.mean(problem.stiffness**2))) if everywhere.mixed else 0.0
@@ -99,16 +87,7 @@ class Surface:
         self._scale(now)
         self._all.renew(now.nodes, now.pressure)
         self.drift = 0.0
-        self._surround(now, now.nodes)
-
-    def leave_nearby(self, now: ContactSet) -> None:
-        """Make the response to the pressure of a set anew, and never work near the contact only from now on."""
-        self._split = None
-        self.renew(now)
-
-    def _surround(self, now: ContactSet, nodes: Indices) -> None:
-        """From now on carry the response along near these nodes only, if that pays."""
-        nearby = surround(self._split, nodes, self._problem.height) if self._split else None
+        nearby = surround(self.split, now.nodes, self._problem.height) if self.split else None
         if nearby:
             nearby.field[:] = self._all.field[nearby.nodes]
         self._at = nearby or self._all
@@ -116,9 +95,6 @@ class Surface:
 
     def follow(self, before: ContactSet, now: ContactSet, changed: bool) -> None:
         """Turn to another set. changed: whether its pressure differs from that before, because nodes were dropped."""
-        earlier = self._at
-        if isinstance(earlier, Nearby) and not self.drift and not earlier.covers(now.nodes):
-            self._surround(now, np.union1d(before.nodes, now.nodes))
         at = self._at
         if isinstance(at, Nearby) and at.covers(now.nodes):
             now.places = at.places(now.nodes)
@@ -128,7 +104,7 @@ class Surface:
                 change[at.places(before.nodes)] -= before.pressure
                 change[now.places] += now.pressure
                 self._advance(1.0, change, self._image(slice(None), change))
-        elif changed or earlier is not self._all:
+        elif changed or at is not self._all:
             self.renew(now)
 
     def go_along(self, now: ContactSet, direction: Array64) -> bool:
