@@ -215,9 +215,9 @@ _ITERATIONS = {
         "advance_response: change state -> response",
     ),
 }
-"""One iteration of plain FIRE, with real transforms and in four steps, which the program chooses from 2^20 points on; of
-FIRE in mixed precision, of mass-weighted FIRE, and of the active set's search without
-its work on the contact nodes alone.
+"""One iteration of plain FIRE, with real transforms and in four steps, which the program takes from 2^20 points on, of
+FIRE in mixed precision, of mass-weighted FIRE, and of the active set's search without its work on the contact nodes
+alone.
 """
 
 
