@@ -135,7 +135,7 @@ REFUSED = {
     "a printed minus": ("x [um],\u2212z [nm]\n" + rows(z="nm"), {}, "profile_convention is missing"),
     "downwards": ("Z axis points down\nx [um],z [um]\n" + rows(), {}, "profile_convention is missing"),
     "the user against the file": ("x [um],z [um]\n" + rows(), {"z_unit": "nm"}, "z_unit is nm, but .* names um"),
-    "words for heights": ("x [um],z [um]\n" + rows(order="x", end=",a"), {}, "column 'z .um.' holds no numbers"),
+    "words for heights": ("x [um],z [um]\n" + rows(order="x", end=",a"), {}, "no numbers below 'z .um.' in '0,a'"),
     "a slope in formulas": ("x [um],dz/dx\n" + rows(), {"z_unit": "um"}, "columns is missing: .*'dz/dx'"),
     "a word more": ("x [um],minus z [um]\n" + rows(), {}, "columns is missing: .*'minus z .um.'"),
     "a title above a depth": ("Steel, run 5\nx [um],Depth [um]\n" + rows(), {}, "profile_convention is missing"),
@@ -270,7 +270,7 @@ def test_missing_heights_are_filled_or_left_out_and_told(tmp_path, cell):
     ("content", "options", "named"),
     [
         (f"x [um],z [nm]\n{rows()}32,\n", {}, "line 202: a value is missing, and 1 of 201"),
-        (f"x [um],z [nm]\n{rows()}32,high\n", {}, "line 202: height is text or inf; allowed: finite"),
+        (f"x [um],z [nm]\n{rows()}32,high\n", {}, "line 202: height is text or inf in '32,high'; allowed: finite"),
         (
             rows(sep=";", decimal=",", keep=slice(90)) + rows(sep=";", keep=slice(90, None)),
             UNITS,

@@ -30,6 +30,7 @@ SECONDS = 6
 _FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
 _PACKED = {"scale_factor": 1, "add_offset": 1, "valid_min": 1, "valid_max": 1, "valid_range": 2}
 _PACKED |= {"_FillValue": 0, "missing_value": 0}  # numbers in each; 0: any
+_UNIT = re.compile(r"(?:^|_)units?$", re.I)  # names of attributes
 _PACKING = re.compile(
     r"(?!DIMENSION_).*(?:scale|factor|gain|offset|calibration|multiplier|unsigned|conversion|lsb|bit2|_per_|sensitivity"
     r"|quantum)",
@@ -121,11 +122,12 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
         if math.prod(data.shape) > int(most):
             raise RefusedError(f"profile_dataset is {name!r} of shape {data.shape}; allowed: up to {most} numbers")
         _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
-        units = [key for key in data.attrs if re.search(r"(?:^|_)units?$", key, re.I)]
-        words = [key for key in data.attrs if key not in units and not _is_number(data.attrs[key])]
+        groups = [file, data.parent]
+        units = {(item, key): 0 for item in (data, *groups) for key in item.attrs if _UNIT.search(key)}
+        words = [key for key in data.attrs if (data, key) not in units and not _is_number(data.attrs[key])]
         label = [*str(name).split("/"), *(_text(data, key) for key in words)]
-        unit = ",".join({_text(data, key): 0 for key in units})
-        for above in (file, data.parent):
+        unit = ",".join({_text(item, key): 0 for item, key in units})
+        for above in groups:
             for key in filter(_PACKING.match, above.attrs):
                 raise RefusedError(
                     f"profile_dataset is {name!r}, in a group whose attribute {key!r} may change it; allowed: none"
@@ -137,9 +139,9 @@ def _is_number(value: object) -> bool:
     return np.asarray(value).dtype.kind in "biufc"
 
 
-def _text(data: "h5py.Dataset", name: str) -> str:
+def _text(item: "h5py.Dataset | h5py.Group", name: str) -> str:
     """An attribute as text, empty without it."""
-    found = np.ravel(data.attrs.get(name, ""))
+    found = np.ravel(item.attrs.get(name, ""))
     return " ".join(one.decode(errors="replace") if isinstance(one, bytes) else str(one) for one in found)[:100]
 
 

@@ -59,7 +59,8 @@ def _table(found: Any, origin: str) -> Table:
         raise ValueError(f"{seen}; allowed: columns of real numbers, up to {MAX_VALUES}")
     with np.errstate(over="ignore"):  # of a longer type: infinite, and refused as such
         values = np.asarray(found.astype(np.float64).reshape(len(found), -1))
-    return Table(values, origin, range(values.shape[1]), Header([Label("")] * values.shape[1]))
+    first = ", ".join(map("{:g}".format, values[0, :8]))
+    return Table(values, origin, range(values.shape[1]), Header([Label("")] * values.shape[1]), texts=[first])
 
 
 def _choose(table: Table, columns: str | None, label: Label | None = None) -> Table:
@@ -68,7 +69,7 @@ def _choose(table: Table, columns: str | None, label: Label | None = None) -> Ta
     at = list(places.values())
     shown = "".join(f", {axis} from column {place + 1}" for axis, place in places.items())
     head = table.head._replace(labels=[label or table.head.labels[place] for place in at])
-    return Table(table.values[:, at], table.origin + shown, range(len(at)), head, table.line)
+    return table._replace(values=table.values[:, at], origin=table.origin + shown, numeric=range(len(at)), head=head)
 
 
 def _asked(columns: str, table: Table) -> dict[str, int]:
@@ -92,7 +93,7 @@ def _places(table: Table) -> dict[str, int]:
     without = [labels[i] for i in sorted({*range(len(labels))} - {*numeric})]
     empty = [label.text for label in without if label.role == "z"]
     if empty and "z" not in roles:
-        raise ValueError(f"column {empty[0]!r} holds no numbers; allowed: heights, or columns that names others")
+        raise ValueError(f"no numbers below {empty[0]!r} in {table.texts[0]!r}; allowed: heights, or other columns")
     second = len(numeric) > 2 and any(re.match(r"y\b", label.text.lower()) for label in labels)
     known = all(labels[i].role or labels[i].asks for i in numeric)
     if len(numeric) == 1 and known and roles[0] not in ("x", "index") and "x" not in [label.role for label in without]:
@@ -103,8 +104,7 @@ def _places(table: Table) -> dict[str, int]:
         return {"z": last} if roles[0] == "index" else {"x": first, "z": last}
     texts = f" labelled {', '.join(repr(labels[i].text) for i in numeric[:8])}" * any(label.text for label in labels)
     texts += "".join(f", none below {label.text!r}" for label in without[:8] if label.text)
-    row = ", ".join(f"{value:g}" for value in table.values[0, numeric[:8]])
-    seen = f"the file has {counted(len(numeric), 'column')} of numbers{texts}, the first row {row}"
+    seen = f"the file has {counted(len(numeric), 'column')} of numbers{texts}, the first row {table.texts[0]}"
     raise ValueError(f"columns is missing: {seen}; allowed: the numbers of those of x and z like 1,2, or of z alone")
 
 
@@ -147,17 +147,17 @@ def units(found: Table, given: dict[str, str | None], unknown: str | None) -> di
 def check_values(found: Table) -> None:
     """Raise `ValueError` for columns that are no profile: infinite, constant, or positions that go back."""
     for name, values in zip(("height", "x"), found.values.T[::-1], strict=False):
-        there = np.flatnonzero(~np.isnan(values))
-        if not there.size:
+        if not (there := np.flatnonzero(~np.isnan(values))).size:
             continue
         if (bad := there[np.abs(values[there]) > LARGEST]).size:
             seen = f"{name} is {values[bad[0]]}".replace("is inf", "is text or inf")
             allowed = f"finite numbers up to {LARGEST:g} in size ({bad.size} of {values.size} are not)"
-            raise ValueError(f"{found.row(bad[0])}: {seen}; allowed: {allowed}, or with missing empty cells, NaN, ***")
+            seen = "".join([f"{found.row(bad[0])}: {seen}", *(f" in {text!r}" for text in found.texts[bad[0] :][:1])])
+            raise ValueError(f"{seen}; allowed: {allowed}, or with missing empty cells, NaN, ***")
         low, high, steps = values[there].min(), values[there].max(), np.diff(values[there])
         if high - low < 1 / LARGEST:
             raise ValueError(f"{name} ranges from {low} to {high}; allowed: a range of at least {1 / LARGEST:g}")
-        if name == "x" and (back := np.flatnonzero(steps * steps[0] <= 0)).size:
+        if name == "x" and (back := np.flatnonzero(steps * np.median(steps) <= 0)).size:
             before, at = there[back[0] :][:2]
             seen = f"{found.row(at)}: x goes from {values[before]} to {values[at]}"
             more = "columns, like 2,1, says which they are, and with those of z alone scan_length takes their place"

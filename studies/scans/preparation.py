@@ -133,8 +133,7 @@ def evenly_spaced(x: Array64, z: Array64) -> Profile:
     even = off <= max(_EVEN, _ROUNDING * rounding / spacing)
     count = int(place[-1]) + 1 if even else x.size
     if even and count == x.size:
-        told.append(f"positions even to {off:.2g} of their spacing, taken as even")
-        return Profile(z, spacing * count, told)
+        return Profile(z, spacing * count, [*told, f"positions even to {off:.2g} of their spacing, taken as even"])
     if gap > max(LONGEST_GAP * x[-1], 1.5 * spacing):
         seen = f"x has a gap of {gap / x[-1]:.1%} of the scan"
         raise ValueError(f"{seen}; allowed: up to {LONGEST_GAP:.0%}; cut or fill it")

@@ -191,10 +191,10 @@ def _complete(found: Table, options: Options) -> tuple[Table, list[str], list[st
         seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
         allowed = "all values, or missing, with interpolate, or drop where positions tell the gaps"
         raise ValueError(f"{seen}; allowed: {allowed}")
-    columns.check_values(found._replace(values=values))
-    there = np.flatnonzero(np.isfinite(z))
+    there = np.flatnonzero(~np.isnan(z))
     if there.size < _FEWEST:
         raise ValueError(f"it holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
+    columns.check_values(found._replace(values=values))
     doubts, up = list[str](), -1.0 if options.profile_convention == "gap" else 1.0
     for rows, reason in doubtful(up * z[there]):
         first = int(there[rows[0]])

@@ -42,6 +42,7 @@ class Table(NamedTuple):
     numeric: Sequence[int]  # columns that hold numbers
     head: header.Header  # with a label for each column, empty ones, too
     line: int = 0  # of the first row in a text; 0 elsewhere
+    texts: Sequence[str] = ()  # of the rows, or of the first one, shortened
 
     @property
     def labels(self) -> dict[str, header.Label]:
@@ -140,7 +141,7 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
     values = np.full((len(lines) - first, writing.columns), np.nan)
     values[:, list(writing.numeric)] = rows[first:]
     origin = f"numbers of {name}, {writing.told()}, {counted(first, 'line')} of header"
-    return Table(values, origin, writing.numeric, head, first + 1)
+    return Table(values, origin, writing.numeric, head, first + 1, [line.strip()[:40] for line in lines[first:]])
 
 
 def _decoded(path: Path) -> str:
