@@ -18,7 +18,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.endings import Cause
-from linecontact.solver.grid.problem import Problem
+from linecontact.solver.grid.problem import Problem, foundation_pressure
 from linecontact.solver.methods import ExecutionConfig, active_set
 from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.active_set.surface import ContactSet
@@ -74,6 +74,18 @@ def test_hand_over_is_said(monkeypatch):
     assert solution.status is Status.CONVERGED
     assert solution.to_dict()["handed_over"] is True
     assert solution.transform_pairs > 20
+
+
+def test_a_search_without_any_solution_is_followed_by_fire_from_a_foundation(monkeypatch):
+    """From a layer at rest it does not converge on this coating."""
+    starts = []
+    monkeypatch.setattr(ActiveSet, "step", lambda self: setattr(self, "stopped", True))
+    monkeypatch.setattr(
+        attempts, "foundation_pressure", lambda problem: starts.append(1) or foundation_pressure(problem)
+    )
+    scene = Scene(CoatedHalfSpace(0.01, 1e-3), RoughIndenter(0.8, 0, cut_off_ratio=1 / 32), 1e-3, num_points=2**10)
+    solution = solve(scene, nested=False)
+    assert (starts, solution.handed_over, solution.status) == ([1], True, Status.CONVERGED)
 
 
 def where_no_search_is_cautious(monkeypatch):

@@ -44,7 +44,7 @@ def test_packed_against_whole_transforms(num_points, block, thickness, nu):
     """Errors are measured over what G does to that pressure, and are at most three times what the split says."""
     split, symbol = split_and_symbol(num_points, block, thickness, nu)
     blocks = islands(num_points // block, seed=num_points)
-    packed = Nearby(split, blocks, np.zeros(num_points)).apply
+    packed = Nearby(split, blocks, *np.zeros((2, num_points))).apply
     rng = np.random.default_rng(1)
     pressure = rng.standard_normal((blocks.size, block))
     pressure -= pressure.mean()  # a constant in the image tells nothing, and a load makes one
@@ -89,7 +89,7 @@ def test_smooth_displacements_stay_smooth(thickness):
     num_points, block = 2**16, 16
     split, symbol = split_and_symbol(num_points, block, thickness)
     blocks = np.arange(1000, 1100)
-    packed = Nearby(split, blocks, np.zeros(num_points)).apply
+    packed = Nearby(split, blocks, *np.zeros((2, num_points))).apply
     x = np.linspace(-1, 1, 100 * block)
     pressure = (1 - x**2).reshape(-1, block)  # it ends at 0, so all its waves are long
     whole = np.zeros((num_points // block, block))

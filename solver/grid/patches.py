@@ -62,23 +62,21 @@ class Patches:
         after = np.append(self.first[1:], self.first[:1] + self.num_points) - self.last - 1
         return np.concatenate((after[-1:], after)).take([np.arange(self.count), np.arange(1, self.count + 1)])
 
-    def hold(self, nodes: Indices) -> Mask:
-        """Whether these nodes, from 0 to N - 1, are contact nodes; of their shape."""
-        after = np.searchsorted(self.first, nodes, side="right")
-        inside: Mask = (after > 0) & (nodes <= self.last[after - 1])
-        beyond: Mask = nodes <= self.last[-1] - self.num_points  # where the last patch goes on at node 0
-        return np.asarray(inside | beyond)
-
     @cached_property
     def label(self) -> Indices:
         """Patch of each contact node, in compact order."""
         return np.repeat(np.arange(self.count), self.size)
 
     @cached_property
+    def step(self) -> Indices:
+        """Steps of each contact node from the first one of its patch, in compact order."""
+        return np.arange(self.label.size) - np.repeat(self.offset, self.size)
+
+    @cached_property
     def nodes(self) -> Indices:
         """Grid index of each contact node, in compact order."""
-        inside = np.arange(int(self.size.sum())) - np.repeat(self.offset - self.first, self.size)
-        return np.where(inside < self.num_points, inside, inside - self.num_points)
+        places = self.first[self.label] + self.step
+        return np.where(places < self.num_points, places, places - self.num_points)
 
     def sums(self, values: Array64) -> Array64:
         """Sum over each patch of values on contact nodes, shape (M,)."""

@@ -145,7 +145,7 @@ def foundation_level(height: Array64, modulus: float) -> float:
 
 
 def foundation_pressure(problem: Problem) -> Array64:
-    """Where to start, shape (N,) [p]: on a foundation between the longest and the stiffest wave in stiffness."""
+    """Where to start: the pressure, shape (N,) [p], on a foundation between the longest and the stiffest wave."""
     modulus = math.sqrt(float(problem.stiffness[1]) * float(problem.stiffness.max()))
     return modulus * np.maximum(foundation_level(problem.height, modulus) - problem.height, 0.0)
 

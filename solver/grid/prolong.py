@@ -31,27 +31,21 @@ def prolong(coarse: Problem, pressure: Array64, patches: Patches, ends: Edges, f
     first = np.ceil(left - beyond).astype(np.int64)
     fine = Patches(finer.num_points, first, np.maximum(first, np.floor(right + beyond).astype(np.int64)))
     smooth = pressure[patches.nodes] / _edge_functions(coarse_curve, patches, ends.left, ends.right)
-    places = _steps(fine) + first[fine.label]
-    values = np.interp(places / factor, _steps(patches) + patches.first[patches.label], smooth)
+    places = fine.step + first[fine.label]
+    values = np.interp(places / factor, patches.step + patches.first[patches.label], smooth)
     values *= _edge_functions(curve, fine, left, right)
     values *= (factor * patches.sums(pressure[patches.nodes]) / fine.sums(values))[fine.label]  # each keeps its load
     fine_pressure[places % finer.num_points] = values
     return fine_pressure
 
 
-def _steps(patches: Patches) -> Indices:
-    """Steps of each contact node from the first one of its patch."""
-    return np.arange(patches.label.size) - np.repeat(patches.offset, patches.size)
-
-
 def _edge_functions(curve: EdgeCurve, patches: Patches, left: Array64, right: Array64) -> Array64:
-    """Those of both ends of each patch [grid spacings], multiplied, at its contact nodes, above 0."""
-    p, inside = patches.label, _steps(patches)
+    """Of both ends of each patch, left and right [grid spacings], multiplied, at its contact nodes, 1e-3 at least."""
     known = curve.at(np.arange(-1, int(patches.size.max())))  # of every step once, from -1 on
 
-    def edge(beyond: Array64, j: Indices) -> Array64:
-        beta = np.clip(beyond + curve.shift, 0, 1)[p]
+    def edge(theta: Array64, j: Indices) -> Array64:
+        beta = np.clip(theta + curve.shift, 0, 1)[patches.label]
         return np.asarray((1 - beta) * known[j + 1] + beta * known[j])
 
-    beyond = patches.size[p] - 1 - inside
-    return np.maximum(edge(left - patches.first, inside) * edge(patches.last - right, beyond), 1e-3)
+    from_last = patches.size[patches.label] - 1 - patches.step
+    return np.maximum(edge(left - patches.first, patches.step) * edge(patches.last - right, from_last), 1e-3)

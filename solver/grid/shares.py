@@ -34,8 +34,8 @@ def shared_loads(
     """The loads of all patches, shape (M,) [grid spacings], over E*, after some of them were put right.
 
     pressure: over E*, on the contact nodes in compact order; found: ends of the chosen patches with the loads that the
-    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `LayerOnGrid.around_node`. A load that is not
-    positive now is none: that patch may not touch at all. Where rounding makes the matrix singular, all stay.
+    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `LayerOnGrid.around_node`. Loads may
+    come out negative or 0: such a patch may not touch at all. Where rounding makes the matrix singular, all stay.
     """
 
     def at(node: Indices) -> Array64:
@@ -43,8 +43,7 @@ def shared_loads(
         return green[np.minimum(node, patches.num_points - node)]
 
     load = patches.sums(pressure)
-    inside = np.arange(pressure.size) - np.repeat(patches.offset, patches.size)
-    centre = patches.first + patches.sums(pressure * inside) / load
+    centre = patches.first + patches.sums(pressure * patches.step) / load
     # a load that lies elsewhere than the grid has it presses the other patches, too
     compliance = _of_nodes(patches.size, at(np.arange(int(patches.size.max()))))
     moment, error = np.zeros((2, patches.count))

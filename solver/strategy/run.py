@@ -15,7 +15,7 @@ from ..arrays import Array64, Mask
 from ..endings import INTERRUPTED, Cause, Reason, Status
 from ..grid.certificate import MEANINGLESS, Certificate, certify
 from ..grid.contact import Contact
-from ..grid.problem import Problem, rounding_floor
+from ..grid.problem import Problem, foundation_pressure, rounding_floor
 from ..methods import METHODS, ExecutionConfig, Method, MethodKind, relax
 from ..scene import Scene
 from ..solution import MOST_ENERGY, Choice, Level
@@ -203,13 +203,15 @@ def _tightened(run: Run, found: Certified) -> Certified:
 
 
 def _from_there(run: Run, found: Certified, kind: MethodKind) -> Certified:
-    """The result of a method that starts at the end of the last one; the better of the two, with its status."""
+    """The result of a method that starts at the end of the last one, or anew; the better one, with its status."""
     problem, before, status = found.problem, run.state, run.status
     run.handed_over = True
     run.allow(min(kind.max_iterations, _MOST_WORK // problem.num_points))
     run.state = run.begin(problem, run.tolerance, kind)
-    if found.residual < MEANINGLESS:  # else the displacement may be anything
+    if found.residual < MEANINGLESS:
         run.state.start(found.displacement)
+    else:  # then the displacement may be anything
+        run.state.start_from_pressure(foundation_pressure(problem))
     run.status = run.relax(run.state)
     other = _tightened(run, _certified(run, problem))
     if _good(run, other) or other.residual < found.residual:

@@ -27,8 +27,8 @@ from ..arrays import Array, Array64, Indices, Modes
 from .backend import Transforms
 
 FASTER = 2**20
-"""Values from which it takes less time than FFTW's transforms. Those that FFTW has measured are as fast, except at 2^20
-(0.9 of the time), but measuring takes 10 to 80 s instead of half a second."""
+"""Values from which it takes less time than FFTW's transforms. With measured plans those take 0.9 of the time on 2^20
+values and as long on more, but measuring takes 10 to 80 s instead of half a second."""
 
 _ROWS = 8  # that are transformed at a time
 _SHORTEST_ROW = CHUNK // (2 * _ROWS)  # complex numbers; a multiple of the columns that are worked on at a time

@@ -155,7 +155,7 @@ def _look_at_area(cell: Cell, solution: Solution, record: Record) -> None:
     """Add the distances of both areas from the true one, per edge [grid spacings], where that is known.
 
     Raises `DefectError` if the sub-grid area is worse than counting by more than a spacing an edge, or its error far
-    beyond the estimated one, by which an accuracy is met, too.
+    beyond the estimated one.
     """
     o, n = solution.observables, solution.scene.num_points
     known = _true_area(cell, solution)

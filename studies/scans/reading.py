@@ -25,8 +25,7 @@ from .missing import DOUBTED, Missing, doubtful, filled, marked, spikes
 from .preparation import Detrend, Profile, Window, evenly_spaced
 from .text import Decimal, Table
 
-_POINTS_PER_VALUE, _ENOUGH = 4, 2**18  # of the default grid, up to so many points: contact edges lie between values
-_FEWEST = 16  # values
+_FEWEST, _POINTS_PER_VALUE, _ENOUGH = 16, 4, 2**18  # values; points of the default grid for each, up to so many
 _DEFAULT: Unit = "m"  # of the scene's lengths
 Convention = Literal["heights", "gap"]
 

@@ -135,9 +135,10 @@ def read_text(path: Path, name: str, decimal: Decimal | None) -> Table:
         raise ValueError(f"decimal is missing: {seen}; allowed: comma, or point, also for commas between whole numbers")
     if [] in rows[first:]:
         i = rows.index([], first)
-        text = f": {lines[i].strip()[:40]!r} is not {counted(writing.columns, 'cell')}"
+        text = lines[i].strip()[:40]
+        seen = f": {text!r} is not {counted(writing.columns, 'cell')}" if text else " is empty"
         allowed = f"rows like {begin!r} in line {first + 1} to the end ({writing.told()})"
-        raise ValueError(f"line {i + 1}{text if lines[i].strip() else ' is empty'}; allowed: {allowed}")
+        raise ValueError(f"line {i + 1}{seen}; allowed: {allowed}")
     values = np.full((len(lines) - first, writing.columns), np.nan)
     values[:, list(writing.numeric)] = rows[first:]
     origin = f"numbers of {name}, {writing.told()}, {counted(first, 'line')} of header"

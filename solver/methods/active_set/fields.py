@@ -116,8 +116,8 @@ class Nearby:
     split's range somewhere.
     """
 
-    def __init__(self, split: Split, blocks: Indices, height: Array64) -> None:
-        """blocks: their numbers in ascending order, shape (B,); height: h of all nodes, shape (N,) [u]."""
+    def __init__(self, split: Split, blocks: Indices, height: Array64, field: Array) -> None:
+        """blocks: their numbers in ascending order, shape (B,); height, field: h and w of all nodes, shape (N,) [u]."""
         self._split, self._blocks = split, blocks
         gaps = np.diff(blocks, append=blocks[0] + split.num_blocks)
         start = int(np.argmax(gaps)) + 1  # the widest gap is left open
@@ -135,7 +135,7 @@ class Nearby:
         self._index = np.full(split.num_blocks, -1)
         self._index[blocks] = np.arange(blocks.size)
         self._height = height[self.nodes]
-        self.field = np.zeros(self.nodes.size)
+        self.field = field[self.nodes].astype(np.float64, copy=False)
         """w [u]."""
         self._image = np.zeros(0)
 
@@ -193,12 +193,12 @@ class Nearby:
         return np.asarray(self.nodes[self._height + self.field < bound])
 
 
-def surround(split: Split, nodes: Indices, height: Array64) -> Nearby | None:
+def surround(split: Split, nodes: Indices, height: Array64, field: Array) -> Nearby | None:
     """The blocks around some nodes; None where the packed transforms would take as long as the field's."""
     near = np.zeros(split.num_blocks, dtype=bool)
     for step in (-_HALO, 0, _HALO):
         near[(nodes + step) // split.block % split.num_blocks] = True
     if near.sum() > _WORTH * split.num_blocks:
         return None
-    found = Nearby(split, np.flatnonzero(near), height)
+    found = Nearby(split, np.flatnonzero(near), height, field)
     return found if found.pair_length <= _WORTH else None

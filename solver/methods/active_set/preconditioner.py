@@ -97,8 +97,8 @@ class PatchDeflation:
         share = -(-patches.count // max(HARD if cautious else 0, _unknowns(patches.num_points)))
         starts = np.arange(0, patches.count, share)
         self._of_node = patches.label // share
-        self._offset = patches.offset[starts]
-        self._loads = np.add.reduceat(self._punch, self._offset)
+        self._first = patches.offset[starts]  # compact index of each unknown's first node
+        self._loads = np.add.reduceat(self._punch, self._first)
         if patches.count > 1:
             # as if the load were spread from the first to the last of the patches that share an unknown
             first, last = patches.first[starts], patches.last[np.append(starts[1:], patches.count) - 1]
@@ -115,11 +115,11 @@ class PatchDeflation:
             whole = self._green.convolution(residual.size)
             return whole(whole.stiffness, residual)
         loads = self._loads
-        moments = np.add.reduceat(self._punch * residual, self._offset)
+        moments = np.add.reduceat(self._punch * residual, self._first)
         z = self._local(residual - (moments / loads)[self._of_node])
         coarse = self._factor.T @ (self._factor @ moments)
         coarse -= self._constant * (self._loads @ coarse) / (self._loads @ self._constant)
-        coarse -= np.add.reduceat(z, self._offset) / loads
+        coarse -= np.add.reduceat(z, self._first) / loads
         return np.asarray(z + coarse[self._of_node] * self._punch)
 
 

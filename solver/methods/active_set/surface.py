@@ -40,8 +40,14 @@ class ContactSet(NodeSet):
         return cls(patches=patches, pressure=pressure, places=patches.nodes)
 
     def changed(self, new: Indices) -> tuple["ContactSet", bool]:
-        """Drop nodes that pull, add new ones without pressure: the next set, and whether nodes were dropped."""
+        """Drop nodes that pull, add new ones without pressure: the next set, and whether nodes were dropped. Where m
+        nodes pull at the end of a patch, some 2m lie outside of the contact, and 2m - 1 are dropped.
+        """
         kept: Mask = self.pressure >= 0
+        place, first, label = np.arange(kept.size), self.patches.offset, self.patches.label
+        low = 2 * np.minimum.reduceat(np.where(kept, place, kept.size), first) - first
+        high = 2 * np.maximum.reduceat(place * kept, first) - (first + self.patches.size - 1)
+        kept &= (low >= high)[label] | ((place > low[label] - 2) & (place < high[label] + 2))
         if not (new.size or kept.any()):
             kept[np.argmax(self.pressure)] = True
         nodes = np.sort(np.concatenate([self.nodes[kept], new]), kind="stable")  # merges two ordered parts
@@ -60,7 +66,7 @@ class Surface:
 
     def __init__(self, problem: Problem, split: Split | None, everywhere: Everywhere) -> None:
         """everywhere: the response on all nodes. split: of G, to work near the contact only where that pays; None: on
-        all nodes.
+        all nodes, also if it becomes None later.
         """
         self._problem, self.split, self._all = problem, split, everywhere
         self._at: Everywhere | Nearby = everywhere
@@ -87,9 +93,7 @@ class Surface:
         self._scale(now)
         self._all.renew(now.nodes, now.pressure)
         self.drift = 0.0
-        nearby = surround(self.split, now.nodes, self._problem.height) if self.split else None
-        if nearby:
-            nearby.field[:] = self._all.field[nearby.nodes]
+        nearby = self.split and surround(self.split, now.nodes, self._problem.height, self._all.field)
         self._at = nearby or self._all
         now.places = self._at.places(now.nodes)
 
@@ -143,7 +147,9 @@ class Surface:
         smallest = max(smallest, 8 * float(np.finfo(self._all.field.dtype).eps) * size)
         known = self._at if self.drift else self._all  # of the other nodes only an old response
         below = known.below(float(self.touching(now).mean()) - smallest)
-        return below[~now.patches.hold(below)]
+        outside = np.ones(self._problem.num_points, dtype=np.bool_)
+        outside[now.nodes] = False
+        return below[outside[below]]
 
     def displacement(self, now: ContactSet) -> Array64:
         """u, shape (N,) [u], in float64; contact nodes stand on the exact wall."""
