@@ -58,7 +58,7 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
             displacement=lambda nodes: displacement[nodes % n] * spacings,
         )
         edges = _by_loads(surface, patches, edges, inside)
-        edges = _by_gaps(surface, patches, edges)
+        edges = edges if indenter.exponent else _by_gaps(surface, patches, edges)  # power profiles have a kink there
         unseen = unseen_patches(problem.profile, displacement, layer.thickness > 0)
     unseen += unseen_gaps(patches, inside, kinks=indenter.of.kinked or not indenter.shortest_wave)
     # all ends, those of other patches by the share of the load
