@@ -14,8 +14,9 @@ class Calibration:
     """The numbers, by their names in the file. They are meant to let 97 of 100 estimates of other scenes hold."""
 
     of_difference: float
-    """Error of an end by pressures, over the power 3/2 of the difference of two estimates of it, times the root of the
-    nodes of its patch, or of the layer's thickness if that is less [grid spacings]."""
+    """Error of an end by pressures, over the power 3/2 of the difference of two estimates of an end, the larger one of
+    the patch's two, times the root of the nodes of the patch, or of the layer's thickness if that is less [grid
+    spacings]."""
     of_size: float
     """The same times the square of the nodes of its patch [grid spacings],"""
     of_size_if_wide: float

@@ -146,7 +146,7 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     by_gap = FITTED.beside_gap / patches.gap**2
     resolved = max(thickness, _NARROW)
     by_layer = FITTED.of_layer * (patches.size / resolved) ** 3 / resolved
-    by_spread = FITTED.of_difference * spread**1.5 / np.sqrt(np.minimum(patches.size, resolved))
+    by_spread = FITTED.of_difference * spread.max(axis=0) ** 1.5 / np.sqrt(np.minimum(patches.size, resolved))
     error = np.minimum(by_spread + by_size + by_gap, UNRESOLVED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
     error = np.where(spread < _ALIKE, error, UNKNOWN)

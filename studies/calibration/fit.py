@@ -19,7 +19,7 @@ Numbers = dict[str, float]
 
 _HELD, _LEAST = 0.985, 0.975  # shares of estimates that are to hold in a fit, of all scenes and of each family
 _PRICE = 60.0  # of the share that is missing, in means of the logarithm of estimate over error
-_FACTORS, _GAIN = (1.4, 1.15), 1e-4  # by which one number after the other is changed, and the least gain of a change
+_FACTOR, _GAIN = 1.4, 1e-4  # by which one number after the other is changed, and the least gain of a change
 _FLOOR, _LARGEST = 1e-8, 12.0  # relative error of references, and logarithm of estimate over error that is enough
 
 
@@ -77,8 +77,8 @@ def fitted(scenes: Sequence[Known]) -> Numbers:
 
     with _in_use(asdict(FITTED)):
         best = loss()
-        for factor, name, power in itertools.product(_FACTORS, asdict(FITTED), (1, -1)):
-            times, better = factor**power, True
+        for name, times in itertools.product(asdict(FITTED), (_FACTOR, 1 / _FACTOR)):
+            better = True
             while better:
                 before = getattr(FITTED, name)
                 setattr(FITTED, name, before * times)
