@@ -301,7 +301,7 @@ def test_reasons_name_what_helps():
     assert (rounded_off.cause, rounded_off.parameter) == (Cause.ROUNDING, "num_points")
     given = measured(1 - np.cos(2 * np.pi * np.arange(256) / 256))
     reason = solve(given, accuracy=1e-6).reason
-    finer = "a finer grid: num_points above 256, with heights given there"
+    finer = "a finer grid: num_points above 256, with heights given there, as by a denser scan"
     assert re.fullmatch(rf"accuracy is 1e-06; allowed: above \d\.?\d?e-06, or {re.escape(finer)}", str(reason))
     assert (reason.cause, reason.parameter) == (Cause.GRID, "accuracy")
 

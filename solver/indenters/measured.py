@@ -50,6 +50,8 @@ class MeasuredIndenter(Indenter):
         if bad.size:
             raise ValueError(f"heights[{bad[0]}] is {heights[bad[0]]}; {allowed}")
         checks.choice("convention", convention, ("heights", "gap"))
+        if not isinstance(self.description, dict):
+            raise checks.refusal("description", self.description, "a dictionary of names and values")
         heights = heights.max() - heights if convention == "heights" else heights - heights.min()
         if not 0 < heights.max() < math.inf:
             raise ValueError(f"heights are constant or too far apart; {allowed}")

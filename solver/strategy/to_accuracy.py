@@ -39,7 +39,7 @@ def _judged(solution: Solution, accuracy: float, of: str) -> Solution:
         status = Status.INACCURATE
         known = error / value if value else math.inf
         above = f"above {display.rounded_up(known)}, or " if known < MOST_ACCURACY else ""
-        heights = ", with heights given there" if solution.scene.indenter.given_points else ""
+        heights = ", with heights given there, as by a denser scan" if solution.scene.indenter.given_points else ""
         allowed = f"{above}a finer grid: num_points above {solution.scene.num_points}{heights}"
         reason = Reason(Cause.GRID, "accuracy", f"{accuracy:g}", allowed)
     elif reason and status is not Status.INTERRUPTED and solution.certificate:

@@ -67,6 +67,8 @@ def check_wanted(
     allowed, most = "a number of 1e-60 and more, in the unit of the observable", math.inf
     if standard_error is None:
         raise ValueError(f"standard_error is missing; allowed: {allowed}")
+    if not isinstance(relative, bool):
+        raise checks.refusal("relative", relative, "True or False")
     if relative:
         allowed, most = "1e-60 to 1, over the mean", 1.0
     fewest = PILOT * FIRST_GRIDS

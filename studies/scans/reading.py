@@ -242,5 +242,5 @@ def _choose_grid(options: Options, values: int, in_period: int) -> int:
         n = 2 ** math.ceil(math.log2(min(_POINTS_PER_VALUE * in_period, max(_ENOUGH, in_period))))
     n = checks.integer("num_points", n, f"an integer from {MIN_POINTS} to {MAX_POINTS}", MIN_POINTS, MAX_POINTS)
     if n > most:
-        raise ValueError(f"num_points is {n}; allowed: up to {MAX_REFINEMENT} times the {values} values in the file")
+        raise ValueError(f"num_points is {n}; allowed: up to {most}, {MAX_REFINEMENT} for each value in the file")
     return n

@@ -40,10 +40,9 @@ class ContactSet(NodeSet):
         return cls(patches=patches, pressure=pressure, places=patches.nodes)
 
     def changed(self, new: Indices) -> tuple["ContactSet", bool]:
-        """Drop nodes that pull, add new ones without pressure: the next set, and whether nodes were dropped. Where m
-        nodes pull at the end of a patch, some 2m lie outside of the contact, and 2m - 1 are dropped.
-        """
+        """Drop nodes that pull, add new ones without pressure: the next set, and whether nodes were dropped."""
         kept: Mask = self.pressure >= 0
+        # where m nodes pull at the end of a patch, some 2m lie outside of the contact: 2m - 1 are dropped
         place, first, label = np.arange(kept.size), self.patches.offset, self.patches.label
         low = 2 * np.minimum.reduceat(np.where(kept, place, kept.size), first) - first
         high = 2 * np.maximum.reduceat(place * kept, first) - (first + self.patches.size - 1)
@@ -65,9 +64,7 @@ class Surface:
     """
 
     def __init__(self, problem: Problem, split: Split | None, everywhere: Everywhere) -> None:
-        """everywhere: the response on all nodes. split: of G, to work near the contact only where that pays; None: on
-        all nodes, also if it becomes None later.
-        """
+        """everywhere: the response on all nodes; split: of G, to work near the contact where that pays; None: never."""
         self._problem, self.split, self._all = problem, split, everywhere
         self._at: Everywhere | Nearby = everywhere
         # added to an image by rounding to float32, as rms pressure over the rms of the image [p/u]
