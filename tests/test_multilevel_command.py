@@ -139,6 +139,8 @@ def test_what_is_out_of_reach(tmp_path, capsys):
     coarse = replace(SCENE, num_points=2**10)  # which leaves no finer grid that may be needed
     with pytest.raises(ValueError, match=r"it takes about .* solves, max_samples is 100; allowed: max_samples of that"):
         ensemble_mean(coarse, 1e-4, max_samples=100)
+    with pytest.raises(ValueError, match="relative is 'yes'; allowed: True or False"):
+        ensemble_mean(SCENE, 0.1, relative="yes")
 
 
 def test_one_observable_at_a_time_in_python():
