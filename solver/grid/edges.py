@@ -114,9 +114,9 @@ class Edges:
         return float(np.linalg.norm(error) + FITTED.in_common * error.sum())
 
 
-def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges:
+def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid, steepness: float = 1.0) -> Edges:
     """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit]; each end by
-    itself, so that neighbours may overlap.
+    itself, so that neighbours may overlap. steepness: as many times as near the ends of a parabola the slopes change.
 
     Patches of fewer than three nodes end half a spacing outside their last nodes, as counting has it, and a full
     contact has no edge at all.
@@ -142,11 +142,12 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid) -> Edges
     theta = theta + _by_load(patches, theta, narrow & ~unresolved)
     outside = np.where(unresolved, 0.5, -theta)
     left, right = patches.first - outside[0], patches.last + outside[1]
-    by_size = FITTED.of_size / patches.size**2 + np.where(on_thick, 0.0, if_wide / patches.size)
+    size = patches.size / steepness
+    by_size = FITTED.of_size / size**2 + np.where(on_thick, 0.0, if_wide / patches.size)
     by_gap = FITTED.beside_gap / patches.gap**2
     resolved = max(thickness, _NARROW)
     by_layer = FITTED.of_layer * (patches.size / resolved) ** 3 / resolved
-    by_spread = FITTED.of_difference * spread.max(axis=0) ** 1.5 / np.sqrt(np.minimum(patches.size, resolved))
+    by_spread = FITTED.of_difference * spread.max(axis=0) ** 1.5 / np.sqrt(np.minimum(size, resolved))
     error = np.minimum(by_spread + by_size + by_gap, UNRESOLVED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
     error = np.where(spread < _ALIKE, error, UNKNOWN)
