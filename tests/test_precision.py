@@ -109,8 +109,8 @@ def test_rounding_to_float32_is_in_the_estimated_errors(exponent, thickness, pre
 def test_what_float32_does_not_settle_says_which_precision_may():
     scene = Scene(CoatedHalfSpace(1e-3, 1e-4), RoughIndenter(0.8, 0, 1 / 8, 1 / 64), 1e-3, num_points=2**13)
     failed = solve(replace(scene, precision="float32"))
-    assert failed.status is Status.STAGNATED
-    assert str(failed.reason).endswith("allowed: another, or precision mixed or float64")
+    assert failed.status in (Status.STAGNATED, Status.ITERATION_LIMIT)
+    assert ", or precision mixed or float64" in str(failed.reason)
     assert solve(scene).status is Status.CONVERGED
 
 

@@ -304,7 +304,7 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
             {},
             "line 41: a value is missing, and 2 of 42 in all",
         ),
-        (text(ROWS), {"num_points": 4096}, "num_points is 4096; allowed: up to 16 times the 40 values"),
+        (text(ROWS), {"num_points": 4096}, "num_points is 4096; allowed: up to 640, 16 for each value in the file"),
         (text(ROWS), {"period": 3.0}, "period is 3.0; allowed: none with a file, whose scan is the period"),
         (text(ROWS), {"scan_length": 3.0}, "scan_length is 3.0; allowed: none, .* has positions"),
         (text(ROWS), {"scene_units": False}, "x_unit and z_unit are missing: .* names no unit of its positions and"),

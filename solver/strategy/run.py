@@ -235,7 +235,7 @@ def _reason(run: Run, found: Certified) -> Reason | None:
         case Status.INTERRUPTED:
             return INTERRUPTED
         case Status.ITERATION_LIMIT:
-            return Reason(Cause.ITERATIONS, "max_iterations", f"reached after {run.taken}", f"more{looser}")
+            return Reason(Cause.ITERATIONS, "max_iterations", f"reached after {run.taken}", f"more{other}{looser}")
         case _ if residual <= tolerance:
             off = f"the energy may be off by {found.certificate.energy_error_bound:.2g} of itself"
             return Reason(Cause.ENERGY, "tolerance", f"{tolerance:.2g}, at which {off}", f"a smaller one{other}")
