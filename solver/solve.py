@@ -26,7 +26,7 @@ from .strategy.grids import (
     DEFAULT_TOLERANCE,
     check_memory,
     grids,
-    over_grids,
+    solve_on_grid,
     start_from_contact,
 )
 from .strategy.run import Run
@@ -173,8 +173,10 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
             finest.start(start)
         return finest
 
-    for _ in over_grids(run, sizes, begin, measure_last=False):
-        pass
+    for size in sizes:  # of an area, errors follow from the last two grids
+        solve_on_grid(run, size, begin, measured=size < scene.num_points, by_loads=size in sizes[-2:])
+        if run.status is Status.INTERRUPTED:
+            break
     if run.state.problem.num_points < scene.num_points:  # interrupted: the last contact, on the finest grid
         check_memory(scene.num_points, kind, run.contact_share, run.memory)
         run.state = begin(scene.num_points)

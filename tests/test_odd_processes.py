@@ -504,10 +504,16 @@ def test_progress_that_fails_is_told_once_and_ends_nothing(capsys):
     assert capsys.readouterr().err.count("a bug, please report it: no progress is shown") == 1
 
 
-def test_a_callback_of_the_user_s_own_may_end_a_solve(monkeypatch):
+@pytest.mark.parametrize("options", [{}, {"accuracy": 1e-2}])
+@pytest.mark.parametrize("error", [ZeroDivisionError, StopIteration])
+def test_a_callback_of_the_user_s_own_may_end_a_solve(monkeypatch, error, options):
+    def fail(*_):
+        raise error
+
     monkeypatch.setattr("linecontact.solver.methods.method.time.monotonic", iter(range(100)).__next__)
-    with pytest.raises(ZeroDivisionError):
-        linecontact.solve(linecontact.Scene(num_points=2**12), progress=lambda *_: 1 / 0)
+    rough = linecontact.Scene(indenter=linecontact.RoughIndenter(cut_off_ratio=1 / 64), num_points=2**12)
+    with pytest.raises(error):
+        linecontact.solve(rough, progress=fail, **options)
 
 
 @pytest.mark.parametrize("ended", [True, False])

@@ -3,7 +3,7 @@
 A finer grid begins from the coarse one's contact pressure (`grid.prolong`).
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 
 from .. import checks
 from ..endings import Status
@@ -22,35 +22,31 @@ DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-4
 """Equilibrium residual over p to stop at in float64 and mixed precision; on coarse grids or in float32, at least."""
 
 
-def over_grids(run: Run, sizes: Sequence[int], begin: Callable[[int], Method], measure_last: bool) -> Iterator[None]:
-    """Solve from coarse to fine; yields after each grid.
+def solve_on_grid(
+    run: Run, num_points: int, begin: Callable[[int], Method], measured: bool = True, by_loads: bool = True
+) -> None:
+    """Solve on the next finer grid, from the contact of the last one that was measured.
 
-    sizes: numbers of points. begin: the method on a grid of so many. measure_last: whether the level of the finest
-    grid is wanted, too, as any may be the last. An interruption before the first grid is reached is passed on; a
-    later one ends the loop, and leaves the last grid that was reached, as interrupted. Raises `ValueError` like
-    `check_memory`.
+    begin: the method on a grid of so many points. measured: whether the level is wanted; by_loads: see `_measured`. An
+    interruption before the first grid is reached is passed on; a later one leaves the last grid that was reached, as
+    interrupted. Raises `ValueError` like `check_memory`.
     """
-    for size in sizes:
-        try:
-            if run.contact:
-                run.state.rest()
-            check_memory(size, run.kind, run.contact_share, run.memory)
-            state = begin(size)
-            start_from_contact(run, state)
-            status, contact = run.relax(state), run.contact
-            if measure_last or size < sizes[-1]:
-                # of an area, errors follow from the last two grids
-                level, contact = _measured(state, by_loads=measure_last or size in sizes[-2:])
-                if status in (Status.CONVERGED, Status.STAGNATED):  # another says nothing of errors
-                    run.levels.append(level)
-            run.state, run.status, run.contact = state, status, contact
-        except KeyboardInterrupt:  # while a grid is prepared or measured
-            if not run.contact:
-                raise
-            run.status = Status.INTERRUPTED
-        yield
-        if run.status is Status.INTERRUPTED:
-            return
+    try:
+        if run.contact:
+            run.state.rest()
+        check_memory(num_points, run.kind, run.contact_share, run.memory)
+        state = begin(num_points)
+        start_from_contact(run, state)
+        status, contact = run.relax(state), run.contact
+        if measured:
+            level, contact = _measured(state, by_loads)
+            if status in (Status.CONVERGED, Status.STAGNATED):  # another says nothing of errors
+                run.levels.append(level)
+        run.state, run.status, run.contact = state, status, contact
+    except KeyboardInterrupt:  # while a grid is prepared or measured
+        if not run.contact:
+            raise
+        run.status = Status.INTERRUPTED
 
 
 def start_from_contact(run: Run, finer: Method) -> None:

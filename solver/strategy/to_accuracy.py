@@ -11,7 +11,7 @@ from ..grid.problem import Problem
 from ..methods import Method
 from ..solution import Choice, Solution
 from .finish import finish
-from .grids import check_memory, coarser, grids, over_grids
+from .grids import check_memory, coarser, grids, solve_on_grid
 from .run import Run
 from .small_models import by_small_model
 
@@ -67,7 +67,8 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
     sizes = grids(scene.num_points)
     if len(sizes) == 1 and sizes[0] >= FACTOR**3:  # without a coarser one there is no telling the error
         sizes.insert(0, coarser(sizes[0]))
-    for _ in over_grids(run, sizes, begin, measure_last=True):
+    for next_size in sizes:
+        solve_on_grid(run, next_size, begin)
         size, found = run.state.problem.num_points, run.levels
         settled = found and found[-1].num_points == size
         error = math.inf  # on the first grid, and where the quantity is 0
