@@ -14,13 +14,12 @@ class Calibration:
     """The numbers, by their names in the file. They are meant to let 97 of 100 estimates of other scenes hold."""
 
     of_difference: float
-    """Error of an end by pressures, over the power 3/2 of the difference of two estimates of an end, the larger one of
-    the patch's two, times the root of the nodes of the patch, or of the layer's thickness if that is less [grid
-    spacings]."""
+    """Error of an end by pressures, over the power 3/2 of the larger difference of two estimates at the patch's ends,
+    times the root of its nodes over `Indenter.steepness`, or of the thickness if that is less [grid spacings]."""
     of_size: float
-    """The same times the square of the nodes of its patch [grid spacings],"""
+    """The same times the square of these nodes [grid spacings],"""
     of_size_if_wide: float
-    """and in patches that are wide beside the layer, times these nodes, over the power with which the pressure grows
+    """and in patches that are wide beside the layer, times their nodes, over the power with which the pressure grows
     (`EdgeCurve.power`), beside the former [grid spacings]."""
     beside_gap: float
     """Error of an end by pressures, times the square of the nodes of the gap beside it [grid spacings]."""

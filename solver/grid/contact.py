@@ -47,8 +47,7 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     scale = problem.scene.reduced_load / (float(pressure.mean()) or 1.0)
     patches = Patches.of(pressure > 0)
     inside = pressure[patches.nodes] * scale
-    steep = max((indenter.exponent or 2.0) - 1, 1.0)
-    edges, unseen = _apart(find_edges(patches, inside, layer, steep), n), 0.0
+    edges, unseen = _apart(find_edges(patches, inside, layer, indenter.of.steepness), n), 0.0
     if displacement is not None and patches.count and not patches.full:
         spacings = n / problem.scene.period
         surface = _Surface(
@@ -65,7 +64,7 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     # all ends, those of other patches by the share of the load
     at_tip = np.flatnonzero((patches.first <= n // 2) & (n // 2 <= patches.last) | (patches.count == 1))
     tip = indenter.of.end_error(float(edges.width[at_tip[0]])) if at_tip.size else 0.0
-    error = np.where(edges.by_load & (steep > 1), edges.end_errors, np.maximum(edges.end_errors, tip))
+    error = np.where(edges.by_load & (indenter.of.steepness > 1), edges.end_errors, np.maximum(edges.end_errors, tip))
     if patches.count > 1:  # loads have errors of all ends
         error = error + np.where(edges.by_load, error.mean(), 0.0)
     return Contact(problem, pressure, patches, replace(edges, end_errors=error, unseen=unseen))

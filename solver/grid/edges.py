@@ -116,7 +116,7 @@ class Edges:
 
 def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid, steepness: float = 1.0) -> Edges:
     """Sub-grid edges of patches from the pressure, shape (contact nodes,) in compact order [any unit]; each end by
-    itself, so that neighbours may overlap. steepness: as many times as near the ends of a parabola the slopes change.
+    itself, so that neighbours may overlap. steepness: see `Indenter`; it makes the errors larger.
 
     Patches of fewer than three nodes end half a spacing outside their last nodes, as counting has it, and a full
     contact has no edge at all.

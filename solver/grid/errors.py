@@ -5,8 +5,8 @@
 c is the change from a grid with a quarter of the points to the present one, a the share of it that is left, and V the
 value in M patches of m nodes, at least 1, with b fitted (`calibration`). In area and kappa a and b are 0, because the
 ends of the patches tell more. In peak pressure and approach c is at least 1/16 of the change before, because it may be
-small by chance. s is n - 1 under a power profile with n > 2, else 1. Below the tip of a power profile with n < 2 the
-peak pressure is of the order n - 1, and a = 1/(4^(n-1) - 1).
+small by chance. s is `Indenter.steepness`. Below the tip of a power profile with n < 2 the peak pressure is of the
+order n - 1, and a = 1/(4^(n-1) - 1).
 
 e is told by the present grid alone: for area and kappa the errors of the patches' ends (`edges`), for peak
 pressure and approach the possible extremes between the nodes. g is the largest width of gaps and patches between two
@@ -127,9 +127,9 @@ def _left(quantity: Quantity, scene: Scene, num_points: int, found: Measured, va
         if not limited and last > max(changes[0], float(getattr(found, quantity.alone))):
             return math.inf
         last = max(last, changes[0] / FACTOR**2)
-    patches, steepness = max(found.num_patches, 1), max(power[0] - 1 if power else 1.0, 1.0)
+    patches = max(found.num_patches, 1)
     nodes = max(found.contact_area_subgrid * num_points / patches, 1.0)
-    of_nodes = values[-1] * (steepness / nodes) ** 2 / patches
+    of_nodes = values[-1] * (scene.indenter.steepness / nodes) ** 2 / patches
     return math.hypot(share * last, getattr(FITTED, quantity.of_nodes) * of_nodes)
 
 

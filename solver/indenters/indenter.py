@@ -125,6 +125,11 @@ class Indenter(Kind):
         """
         return None
 
+    @property
+    def steepness(self) -> float:
+        """n - 1 of a power profile with n > 2, else 1: how much faster than a parabola's its slopes change at ends."""
+        return max(self.power_law[0] - 1, 1.0) if self.power_law else 1.0
+
     def end_error(self, width: float) -> float:
         """How far an end may be moved by a tip between smooth flanks, or by steep sides, of which the nodes do not tell
         enough [grid spacings]; 0 without. width: of the contact with the lowest point in its middle [grid spacings].

@@ -56,10 +56,8 @@ def contact_stiffness(solution: Solution) -> float:
 
 
 def flat_punch(problem: Problem, contact: Mask) -> tuple[float, Array64, Array64]:
-    """d(approach)/dp on the grid, the contact unchanged [length/pressure], and, shape (N,), d sigma/dp (dimensionless)
-    and du/dp [length/pressure]; NaN where rounding leaves nothing of the first.
-
-    contact: nodes that the wall carries, shape (N,), one of them at least.
+    """d(approach)/dp on the grid [length/pressure], NaN where rounding leaves none of it, and, shape (N,), d sigma/dp
+    (dimensionless) and du/dp [length/pressure]. contact: unchanged, shape (N,), of one node at least.
     """
     modulus = problem.scene.foundation_modulus
     compression = 1 / modulus if modulus else 0.0

@@ -123,10 +123,10 @@ def _dataset(path: str, most: str, name: str | None = None) -> Columns:
             raise RefusedError(f"profile_dataset is {name!r} of shape {data.shape}; allowed: up to {most} numbers")
         _check_storage(data, f"profile_dataset is {name!r}", 16 * int(most))
         groups = [file, data.parent]
-        units = {(item, key): 0 for item in (data, *groups) for key in item.attrs if _UNIT.search(key)}
-        words = [key for key in data.attrs if (data, key) not in units and not _is_number(data.attrs[key])]
+        words = [key for key in data.attrs if not (_UNIT.search(key) or _is_number(data.attrs[key]))]
         label = [*str(name).split("/"), *(_text(data, key) for key in words)]
-        unit = ",".join({_text(item, key): 0 for item, key in units})
+        units = (_text(item, key) for item in (data, *groups) for key in item.attrs if _UNIT.search(key))
+        unit = ",".join(dict.fromkeys(units))
         for above in groups:
             for key in filter(_PACKING.match, above.attrs):
                 raise RefusedError(

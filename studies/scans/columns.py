@@ -152,8 +152,8 @@ def check_values(found: Table) -> None:
         if (bad := there[np.abs(values[there]) > LARGEST]).size:
             seen = f"{name} is {values[bad[0]]}".replace("is inf", "is text or inf")
             allowed = f"finite numbers up to {LARGEST:g} in size ({bad.size} of {values.size} are not)"
-            seen = "".join([f"{found.row(bad[0])}: {seen}", *(f" in {text!r}" for text in found.texts[bad[0] :][:1])])
-            raise ValueError(f"{seen}; allowed: {allowed}, or with missing empty cells, NaN, ***")
+            where = f"{found.row(bad[0])}: {seen}" + (f" in {found.texts[bad[0]]!r}" if found.line else "")
+            raise ValueError(f"{where}; allowed: {allowed}, or with missing empty cells, NaN, ***")
         low, high, steps = values[there].min(), values[there].max(), np.diff(values[there])
         if high - low < 1 / LARGEST:
             raise ValueError(f"{name} ranges from {low} to {high}; allowed: a range of at least {1 / LARGEST:g}")
