@@ -20,13 +20,13 @@ from typing import ParamSpec, TypeVar
 _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
 
-IMPORTING, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(4))
+DRAWING, IMPORTING, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(5))
 BUFFERS = threading.Lock()
-"""Of the imports of the package's front, for a module that is half imported would stay so; of Warp's modules; of the
-launches that Warp records, beside which another launch would crash; of FFTW's planner and wisdom; and of the buffers
-that `solver.transforms.plain` keeps."""
+"""Of Matplotlib, whose settings all threads share; of the imports of the package's front, for a module that is half
+imported would stay so; of Warp's modules; of the launches that Warp records, beside which another launch would crash;
+of FFTW's planner and wisdom; and of the buffers that `solver.transforms.plain` keeps."""
 
-_ALL = (IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING)
+_ALL = (DRAWING, IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING)
 
 
 def _had_fftw() -> bool:

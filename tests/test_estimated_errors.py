@@ -21,6 +21,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.calibration import FITTED
+from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.errors import estimated, left_at_ends
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
@@ -269,8 +270,17 @@ def test_a_summit_between_two_nodes_is_seen(half_space, n, shift):
     x = np.minimum(np.abs((np.arange(n) - 0.4 + n / 2) % n - n / 2), 20)
     gap = np.roll(curvature * (x**2 / 2 - stands_out), shift)
     assert gap.min() > 0
-    assert unseen_patches(gap, np.zeros(gap.size), half_space) == pytest.approx(2 * a, rel=1e-3)
-    assert not unseen_patches(gap + 1.001 * curvature * stands_out, np.zeros(gap.size), half_space)
+    nowhere, flat = Patches.of(np.zeros(n, dtype=bool)), np.zeros(n)
+    assert unseen_patches(nowhere, gap, flat, half_space) == pytest.approx(2 * a, rel=1e-3)
+    assert not unseen_patches(nowhere, gap + 1.001 * curvature * stands_out, flat, half_space)
+
+
+def test_rounding_of_the_heights_makes_no_unseen_patches():
+    """A profile computed again, of a solution that was stored, differs in its last digits."""
+    solution = solve(Scene(indenter=RoughIndenter(0.8, 1, 1.0, 1 / 64), pressure=0.02, num_points=2**10))
+    problem, rounded = Problem.from_scene(solution.scene), solution.displacement * (1 - 2**-53)
+    known = contact_edges(problem, solution.contact_pressure, solution.displacement)
+    assert known.ends.unseen == contact_edges(problem, solution.contact_pressure, rounded).ends.unseen
 
 
 def test_patches_between_two_nodes_are_in_the_estimated_error():

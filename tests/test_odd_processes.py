@@ -96,6 +96,38 @@ def test_children_of_a_process_that_is_solving_solve_too():
     assert said.stdout.split() == ["0"] * 20, said.stderr
 
 
+DRAWING_FORKS = """
+import os, signal, threading, time
+from linecontact import Scene, solve
+
+os.chdir(os.environ["FOLDER"])
+solution, ended = solve(Scene(num_points=256)), []
+
+def work():
+    while not ended:
+        solution.plot("thread.png")
+        time.sleep(0.01)
+
+thread = threading.Thread(target=work)
+thread.start()
+for _ in range(4):
+    time.sleep(0.5)
+    child = os.fork()
+    if not child:
+        signal.alarm(30)
+        solution.plot("child.png")
+        os._exit(0)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+ended.append(True)
+"""
+
+
+@posix
+def test_children_of_a_process_that_is_drawing_draw_too(tmp_path):
+    said = python(DRAWING_FORKS, FOLDER=str(tmp_path))
+    assert said.stdout.split() == ["0"] * 4, said.stderr
+
+
 OWN_THREADS = """
 import os
 import pyfftw

@@ -59,7 +59,7 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
         )
         edges = _by_loads(surface, patches, edges, inside)
         edges = edges if indenter.exponent else _by_gaps(surface, patches, edges)  # power profiles have a kink there
-        unseen = unseen_patches(problem.profile, displacement, layer.thickness > 0)
+        unseen = unseen_patches(patches, problem.profile, displacement, layer.thickness > 0)
     unseen += unseen_gaps(patches, inside, kinks=indenter.of.kinked or not indenter.shortest_wave)
     # all ends, those of other patches by the share of the load
     at_tip = np.flatnonzero((patches.first <= n // 2) & (n // 2 <= patches.last) | (patches.count == 1))

@@ -50,16 +50,16 @@ def unseen_gaps(patches: Patches, pressure: Array64, kinks: bool) -> float:
     return float(np.where(kinked, at_kink, smooth).sum())
 
 
-def unseen_patches(profile: Array64, displacement: Array64, half_space: bool) -> float:
+def unseen_patches(patches: Patches, profile: Array64, displacement: Array64, half_space: bool) -> float:
     """Widths of patches that lie between two open nodes, their sum [grid spacings].
 
-    profile, displacement: h and u, shape (N,) [any unit], equal at contact nodes. half_space: whether the grid's
-    shortest waves find one. There is such a patch where the parabola through an open node, which no neighbour
-    undercuts, and both of its open neighbours is below 0. A summit of the curvature k that stands out by D is pressed
-    flat over the width 2a with D = k a^2 [1/4 + ln(2/a)/2] on the half-space (see `narrow`), and with D = k a^2/2 on a
-    Winkler foundation.
+    profile, displacement: h and u, shape (N,) [any unit]; half_space: whether the grid's shortest waves find one. There
+    is such a patch where the parabola through an open node, which no neighbour undercuts, and both of its neighbours is
+    below 0. A summit of the curvature k that stands out by D is pressed flat over the width 2a with D = k a^2 [1/4 +
+    ln(2/a)/2] on the half-space (see `narrow`), and with D = k a^2/2 on a Winkler foundation.
     """
     gap = profile - displacement
+    gap[patches.nodes] = 0  # a profile computed again may differ in its last digits
     gap = np.concatenate((gap[-1:], gap, gap[:1]))
     lowest = 1 + np.flatnonzero((gap[1:-1] > 0) & (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]))
     left, node, right = (gap[lowest + step] for step in (-1, 0, 1))

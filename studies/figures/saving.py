@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
+from linecontact.locks import DRAWING
 from matplotlib.figure import Figure
 
 from ..files.marks import FORMATS, is_ours, marked, names
@@ -30,7 +31,7 @@ def save(
     replaced. own: as in `expecting`.
     """
     written = []
-    with matplotlib.rc_context(STYLE), expecting(path, own):
+    with DRAWING, matplotlib.rc_context(STYLE), expecting(path, own):
         drawn = draw(path)
         for file in names(path, () if overwrite else drawn):
             if file.is_file() and not is_ours(file):

@@ -7,6 +7,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from linecontact.locks import DRAWING
 from linecontact.solver import Solution, Status, checks
 from linecontact.solver.arrays import Array64
 from linecontact.solver.grid.patches import Patches
@@ -44,7 +45,8 @@ class Drawing(Figure):  # type: ignore[misc]  # Matplotlib has no types here
 
     def _repr_png_(self) -> bytes:
         image = io.BytesIO()
-        self.savefig(image, format="png", dpi="figure")
+        with DRAWING:
+            self.savefig(image, format="png", dpi="figure")
         return image.getvalue()
 
 
@@ -69,7 +71,7 @@ def plot(solution: Solution | StoredSolution, path: Name | None = None, overwrit
     file = None if path is None else writing.as_path("path", path)
     if file:
         writing.check_target(file, overwrite or is_ours(file))
-    with matplotlib.rc_context(STYLE):
+    with DRAWING, matplotlib.rc_context(STYLE):
         drawn = figure(stored)
         known = drawn.canvas.get_supported_filetypes()
         if file and file.suffix[1:].lower() not in known:
