@@ -282,7 +282,7 @@ def test_nested_grids_tell_the_discretisation_error():
         assert 0 < o.contact_area_edges_error <= o.contact_area_error < 0.1 / 2**13
         error = abs(o.contact_area_subgrid - exact.contact_area)
         assert error < 2 * o.contact_area_error
-        assert abs(o.kappa_subgrid - exact.kappa) < o.kappa_error
+        assert abs(o.kappa_subgrid - exact.kappa) < 2 * o.kappa_error
         coarse = abs(solution.levels[-1].contact_area_subgrid - exact.contact_area)
         # what is left after the last refinement is at most what the estimate makes of the change
         assert error < max(coarse / 3, 1e-7)
