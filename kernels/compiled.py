@@ -29,7 +29,7 @@ MODULES = {
     "warp_columns": ("unpack_columns", "pack_columns"),
 }
 """The kernels, by the modules that they are in."""
-_OTHERS = ("fold_sums", "narrow_ends")
+_OTHERS = ("fold_sums", "narrow_ends", "pressed_ends")
 """Kernels that are no passes over fields: of `on_gpu`, and of the ends of patches."""
 ON_CPU_ONLY = ("warp_columns",)
 """Modules that no GPU needs."""
