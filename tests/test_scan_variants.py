@@ -361,3 +361,13 @@ def test_an_s_shaped_form_is_doubted_and_a_pitch_is_a_parameter(tmp_path):
         assert ("an S-shaped form of 8." in about.get("profile_doubts", "")) is kept
     path = write(tmp_path, "".join(f"{0.5 * j},{value:.6f}\n" for j, value in enumerate(2 * i**3 + z)))
     assert "S-shaped" not in read_scan(path, **UNITS).indenter.description.get("profile_doubts", "")
+
+
+def test_an_option_that_is_given_is_not_advised_again(tmp_path):
+    """A number that no spike's rule has found is doubted all the same."""
+    path, heights = tmp_path / "scan.csv", HEIGHTS.copy()
+    heights[-40:] = HEIGHTS.min() - np.ptp(HEIGHTS)  # wider than a spike
+    path.write_text("\n".join(f"{1e6 * SPACING * i:.6g},{1e6 * z:.9g}" for i, z in enumerate(heights)))
+    said = [read_scan(path, despike=d, **UNITS).indenter.description["profile_doubts"] for d in (False, True)]
+    assert all("may stand for missing values (--invalid) or be dust" in doubts for doubts in said)
+    assert ["--despike" in doubts for doubts in said] == [True, False]

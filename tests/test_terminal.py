@@ -55,11 +55,13 @@ def test_a_narrow_terminal_loses_nothing_of_a_table(solution, width):
 )
 def test_a_narrow_terminal_loses_nothing_of_a_progress_line(state, width):
     bar = console.Bar("solve")
-    bar.show(lambda: (1.0, state))
-    shown = printed(bar._progress.get_renderable(), width, terminal=True)
-    assert not Counter(words(f"solve 100 % {state}, time left unknown 0:00:00")) - Counter(words(shown))
+    for done, left in ((0.0, ", time left unknown"), (1.0, "")):
+        bar.show(lambda done=done: (done, state))
+        shown = printed(bar._progress.get_renderable(), width, terminal=True)
+        assert not Counter(words(f"solve {done:.0%} {state}{left} 0:00:00")) - Counter(words(shown))
+        assert ("unknown" in shown) == (done < 1)
+        assert max(map(len, shown.splitlines())) <= width
     assert shown.count("\u2501") == 10
-    assert max(map(len, shown.splitlines())) <= width
 
 
 @pytest.mark.parametrize(

@@ -50,7 +50,7 @@ def filled(values: Array64, how: Missing) -> tuple[Array64, str]:
     return np.stack([*x, np.interp(at, at[there], z[there])], axis=1), f"{told} filled by straight lines"
 
 
-def doubtful(z: Array64) -> list[tuple[Indices, str]]:
+def doubtful(z: Array64, despiked: bool) -> list[tuple[Indices, str]]:
     """Indices of heights, shape (number of values,) [any unit], that may be none, each with the reason in words."""
     numbers, reason = _sentinels(z), "may stand for missing values (--invalid) or be dust (--despike)"
     found = [(np.flatnonzero(z == number), reason) for number in numbers]
@@ -60,7 +60,7 @@ def doubtful(z: Array64) -> list[tuple[Indices, str]]:
     jumps = np.flatnonzero(steps > max(_STEP * float(np.quantile(steps, _RARE)), float(z[there].std())))
     if jumps.size <= _FEW:
         found.append((there[1:][jumps], "begin behind a step that stands alone"))
-    return [(rows, reason) for rows, reason in found if rows.size]
+    return [(rows, reason.replace(" (--despike)", "") if despiked else reason) for rows, reason in found if rows.size]
 
 
 def spikes(z: Array64, both: bool = False) -> Indices:

@@ -195,7 +195,7 @@ def _complete(found: Table, options: Options) -> tuple[Table, list[str], list[st
         raise ValueError(f"it holds {counted(there.size, 'value')}; allowed: at least {_FEWEST}")
     columns.check_values(found._replace(values=values))
     doubts, up = list[str](), -1.0 if options.profile_convention == "gap" else 1.0
-    for rows, reason in doubtful(up * z[there]):
+    for rows, reason in doubtful(up * z[there], options.despike):
         first = int(there[rows[0]])
         doubts.append(f"{rows.size} of {z.size} values, the first {z[first]:g} in {found.row(first)}, {reason}")
     if z.size - there.size > DOUBTED * z.size:

@@ -152,7 +152,7 @@ class Bar:
         done = min(max(done, 0.0), 1.0) if done == done else 0.0
         self._start = done if self._start is None else self._start
         since = (done - self._start) / max(1e-9, 1 - self._start)
-        text = f"{state}, {remaining(since, time.monotonic() - self._begin)}"
+        text = f"{state}, {remaining(since, time.monotonic() - self._begin)}" if done < 1 else state
         self._progress.update(self._task, completed=done, state=text)
         if not errors.is_terminal and time.monotonic() - self._said > self.every:
             self._said = time.monotonic()
