@@ -4,6 +4,7 @@ A child of `os.fork` has one thread, and every lock that another thread held wou
 thread that forks takes them all first, in the order in which they are taken one inside of the other.
 """
 
+import _frozen_importlib
 import atexit
 import concurrent.futures.thread  # noqa: F401  # its lock and logging's are registered first, so taken after ours
 import functools
@@ -25,6 +26,20 @@ BUFFERS = threading.Lock()
 """Of Matplotlib, whose settings all threads share; of the imports of the package's front, for a module that is half
 imported would stay so; of Warp's modules; of the launches that Warp records, beside which another launch would crash;
 of FFTW's planner and wisdom; and of the buffers that `solver.transforms.plain` keeps."""
+
+_IMPORTED = {
+    "linecontact",
+    "numpy",
+    "pyfftw",
+    "warp",
+    "h5py",
+    "matplotlib",
+    "PIL",
+    "rich",
+    "SurfaceTopography",
+    "bokeh",
+}
+"""Packages whose imports end before a fork."""
 
 _ALL = (DRAWING, IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING)
 
@@ -57,9 +72,11 @@ def once(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
 def _take() -> None:
     for lock in _ALL:
         lock.acquire()
-    for name in {"numpy.ma", "numpy.random", "pyfftw", "warp", "linecontact.solver"} & sys.modules.keys():
-        with suppress(ImportError):  # another thread's own import, too: a child would wait for ever for its end
-            importlib.import_module(name)
+    under_way = getattr(_frozen_importlib, "_module_locks", {})
+    for name in list(under_way):
+        if name.partition(".")[0] in _IMPORTED:
+            with suppress(ImportError):  # another thread's import: a child would wait for ever for its end
+                importlib.import_module(name)
 
 
 def _give_back() -> None:

@@ -69,6 +69,7 @@ def test_limits_of_the_sliding_layer():
     assert SlidingLayer(1e-6).stiffness(np.array([2 * np.pi]), 1.0)[0] == pytest.approx(1e6, rel=1e-9)
     assert SlidingLayer(1e-6).foundation_modulus(1.0) == 1e6
     assert SlidingLayer(math.inf).stiffness(np.array([3.0]), 1.0)[0] == 1.5
+    assert SlidingLayer(math.inf).stiffness(3.0, 1.0) == 1.5
     assert SlidingLayer(math.inf).foundation_modulus(1.0) == 0
     below = Layer(1.0, 0.3).stiffness(Y[Y < 10], 1.0) > SlidingLayer(1.0).stiffness(Y[Y < 10], 1.0)
     assert below.all()  # a base that holds the layer makes it stiffer

@@ -27,7 +27,8 @@ def homogeneous_stiffness(q: Array64, thickness: float, factor: Callable[[Array6
 
     thickness: d in the unit of 1/q, `inf` for the half-space. factor: f, asked for x = 2 q d, where it differs from 1.
     """
-    k, long = q / 2, q < HALF_SPACE_FROM / thickness
+    q = np.asarray(q, dtype=np.float64)  # a number is of a shape, too
+    k, long = np.array(q / 2), q < HALF_SPACE_FROM / thickness
     with np.errstate(under="ignore"):
         k[long] *= factor(2 * thickness * q[long])
     return k

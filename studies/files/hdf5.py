@@ -89,7 +89,8 @@ def _verify(path: Path) -> str:
     # zeros, a few flipped bits or an early end make no stranger of it
     if any(start) and alike < min(len(start), len(expected)) - few:
         raise StoreError(f"file {path} is not one of linecontact's HDF5 files; allowed: one that it wrote")
-    raise DamagedError(f"file {path} is damaged: {'its checksum does not fit' if start else 'it is empty'}")
+    reason = "its checksum does not fit" if start else "it is empty"
+    raise DamagedError(f"file {path} is damaged: {reason}; allowed: a whole one, or to make it anew")
 
 
 def head(digest: str) -> bytes:

@@ -33,8 +33,8 @@ class DamagedError(StoreError):
 
 def as_path(name: str, path: object) -> Path:
     """A path from text or a path; raises `StoreError`, which names the parameter, for anything else."""
-    if not isinstance(path, str | os.PathLike):
-        raise StoreError(str(checks.refusal(name, path, "text or a path")))
+    if not isinstance(path, str | os.PathLike) or not str(path) or "\0" in str(path):
+        raise StoreError(str(checks.refusal(name, path, "text or a path, neither empty nor with a null character")))
     return Path(path)
 
 

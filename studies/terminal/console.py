@@ -26,7 +26,7 @@ from .tables import Whole
 from .text import BUG, OUTPUT, is_refusal, printable
 
 KEPT = "; finished tasks are kept"
-_SOON = 1.0  # s after Ctrl-C
+_SOON, _AGAIN = 1.0, 0.01  # s after Ctrl-C, and until it is tried again
 _WAIT = "linecontact: interrupted; finishing what there is, unless Ctrl-C comes again"
 Parsed = TypeVar("Parsed")
 
@@ -235,12 +235,21 @@ def _waiting_told() -> Iterator[None]:
         signal.setitimer(signal.ITIMER_REAL, _SOON)
         signal.default_int_handler(number, frame)
 
-    alarm = signal.getsignal(signal.SIGALRM)
+    def lost(told: Any) -> None:
+        if not issubclass(told.exc_type, KeyboardInterrupt):
+            hook(told)
+            return
+        signal.signal(signal.SIGALRM, signal.default_int_handler)  # Ctrl-C came in a place that no error leaves
+        signal.setitimer(signal.ITIMER_REAL, _AGAIN)
+
+    alarm, hook = signal.getsignal(signal.SIGALRM), sys.unraisablehook
     signal.signal(signal.SIGINT, interrupt)
+    sys.unraisablehook = lost
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+        sys.unraisablehook = hook
         if signal.getsignal(signal.SIGALRM) is not alarm:
             signal.setitimer(signal.ITIMER_REAL, 0)
             signal.signal(signal.SIGALRM, alarm)
