@@ -66,7 +66,8 @@ def solve(
     method: one of `METHODS`, by default `DEFAULT`.
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
-        default `default_tolerance`, or the level of rounding if that is more.
+        default 1e-8, in float32 the larger of 1e-4 and four times the residual of rounding. Where rounding turns out to
+        leave more, `Solution.tolerance` says how much.
     max_iterations: at least 1, all grids, hand-over included; default by method. Where an approach is given, of each
         of the solves that it takes.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
@@ -213,19 +214,8 @@ def float32_floor(problem: Problem) -> float:
     return rounding_floor(problem.stiffness, displacement, "float32")
 
 
-def default_tolerance(scene: Scene) -> float:
-    """1e-8; in float32 the larger of 1e-4 and four times the residual of rounding (dimensionless).
-
-    Where rounding turns out to leave more, `Solution.tolerance` says how much, up to `MEANINGLESS`, as long as
-    `MOST_ENERGY` bounds the energy's error.
-
-    Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
-    """
-    return _reachable(Problem.from_scene(scene), None)
-
-
 def _reachable(problem: Problem, tolerance: float | None) -> float:
-    """A tolerance, by default as `default_tolerance` has it; `ValueError` if the scene's precision cannot reach it."""
+    """A tolerance, by default as `solve` has it; `ValueError` if the scene's precision cannot reach it."""
     if problem.scene.precision != "float32":
         return DEFAULT_TOLERANCE if tolerance is None else tolerance
     floor = float32_floor(problem)
