@@ -30,7 +30,7 @@ class Repetition:
 
     def __call__(self, fire: Fire, most: int) -> None:
         """Up to `most` iterations, at least one."""
-        count = min(most, self._count, fire.alike)
+        count = min(most, self._count, -fire.iteration % fire.probe_every)  # up to an iteration that does more
         if count < 2:  # the first of all makes preparations that a graph cannot hold
             fire.step()
         else:

@@ -36,6 +36,8 @@ class Fire(Method):
     """Where iterations can be repeated without a look at the control state: does so, at most so many times."""
     transform_pairs = 0.0
     pairs_per_iteration = 1
+    probe_every = sys.maxsize
+    """Every so many iterations one does more than its parts."""
     buffers = 6
     """How many arrays of N values it has, those of the transforms included."""
 
@@ -128,11 +130,6 @@ class Fire(Method):
     def parts(self) -> Operator:
         """The steps of an iteration, in order."""
         return *self._apply_stiffness, self._move
-
-    @property
-    def alike(self) -> int:
-        """How many iterations from here on do nothing but their parts."""
-        return sys.maxsize
 
     def steps(self, most: int) -> None:
         """One iteration, or up to `most` where they are repeated without a look at the control state."""
