@@ -196,7 +196,7 @@ def _displacement(initial: Array64, problem: Problem) -> Array64:
     if not np.isfinite(displacement).all():
         raise ValueError(f"initial holds a value that is not finite; {allowed}")
     # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
-    reach = problem.reach * problem.length_unit
+    reach = problem.layer.reach * problem.length_unit
     inside = np.clip(displacement, -reach, reach) / problem.length_unit
     return np.where(displacement >= problem.profile, problem.height, inside)
 

@@ -63,6 +63,11 @@ class LayerOnGrid:
         self.made: dict[Any, Any] = {}
         """Fields and Green's functions that methods have made, by configuration; they serve the next solve."""
 
+    @property
+    def reach(self) -> float:
+        """What |u| stays below in every solution [u], see `problem`."""
+        return 2 * self.num_points / float(self.stiffness[1:].min())
+
     def modulus(self, q: Array64) -> Array64:
         """See `modulus_on_grid`."""
         return modulus_on_grid(self._layer, q, self.num_points, self._period)
