@@ -97,9 +97,7 @@ class Transforms(Backend):
     way: ClassVar[str]
     """How the transforms are done."""
 
-    def __init__(
-        self, num_points: int, precision: str, threads: int = 1, planning: str = "estimate", backend: str = "warp"
-    ) -> None:
+    def __init__(self, num_points: int, precision: str, threads: int, planning: str, backend: str) -> None:
         super().__init__(num_points, precision)
         self.threads, self.planning = threads, planning
         self._backend, self._count = backend, 0

@@ -38,9 +38,7 @@ def _hidden(*names: str) -> Iterator[None]:
 with _hidden("scipy", "dask"):
     import pyfftw
 
-__all__ = ["IN_PLACE", "Pair", "Plan", "irfft", "library", "next_fast_len", "pair", "pyfftw", "rfft"]
-
-next_fast_len = pyfftw.next_fast_len
+__all__ = ["IN_PLACE", "Pair", "Plan", "irfft", "pair", "pyfftw", "rfft"]
 
 _PATIENCE = 20.0  # s, for a plan that takes microseconds
 _PLANNED_FROM = 2**12
@@ -49,11 +47,6 @@ IN_PLACE = 2**18
 """Values, in float64, from which FFTW's real transforms take less time in place."""
 _TOO_LONG = 2**22
 """Values beyond which a pair is not kept."""
-
-
-def library() -> str:
-    """The library that plans, with its version."""
-    return str(pyfftw.fftw_version)
 
 
 @locks.once
