@@ -113,10 +113,15 @@ class Pair:
 
     def multiply(self, values: Array64, symbol: Array64) -> None:
         """Put n values into `real`, their spectrum multiplied by a symbol, shape (n//2 + 1,)."""
-        self.transform(values)
+        self.real[:] = values
+        self.filter(symbol)
+        self.real /= self.real.size
+
+    def filter(self, symbol: Array64) -> None:
+        """Multiply the spectrum of `real` by a symbol, shape (n//2 + 1,), and by n."""
+        self.forward()
         self.modes *= symbol
         self.inverse()
-        self.real /= self.real.size
 
     def invert(self, modes: Modes | Array64) -> None:
         """Put into `real` the values that have this half spectrum, normalised by 1/n; modes that lack are 0."""

@@ -157,15 +157,11 @@ class Nearby:
         packed = pair.real.reshape(-1, split.block)
         packed[:] = 0
         packed[self._position] = values
-        pair.forward()
-        pair.modes *= near
-        pair.inverse()
+        pair.filter(near)
         shares, coarse.real[:] = values @ split.weights, 0
         for column, share in zip(self._spread_to.T, shares.T, strict=True):
             coarse.real[column] += share  # no block twice in a column
-        coarse.forward()
-        coarse.modes *= split.far
-        coarse.inverse()
+        coarse.filter(split.far)
         return np.asarray(packed[self._position] + coarse.real[self._spread_to] @ split.weights.T)
 
     def covers(self, nodes: Indices) -> bool:

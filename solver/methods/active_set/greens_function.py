@@ -150,8 +150,6 @@ class Convolution:
         pair = self._pair
         pair.real[: values.size] = values
         pair.real[values.size :] = 0
-        pair.forward()
-        pair.modes *= symbol
-        pair.inverse()
+        pair.filter(symbol)
         self.count += 1
         return np.asarray(pair.real[: values.size] / self.length)
