@@ -117,11 +117,8 @@ class Layer(ElasticLayer):
     name: ClassVar[str] = "bonded"
 
     def __post_init__(self) -> None:
-        checks.assign(
-            self,
-            thickness=checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True),
-            poisson_ratio=checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5),
-        )
+        thickness = checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True)
+        checks.assign(self, thickness=thickness)
         check_modulus(self)
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
