@@ -16,7 +16,6 @@ from .cached import MOST_POINTS, cached, read_only
 from .edge_curves import EdgeCurve, half_space_curve, make_curve
 from .split import Split, inverse, make_split
 
-_STIFF = 2.0  # K of the longest wave over the least K, up to which K is short-ranged
 _ALIKE = 0.2
 """Logarithm of the shortest wave's stiffness over the half-space's, up to which a grid resolves a layer."""
 
@@ -108,13 +107,6 @@ class LayerOnGrid:
     def split(self) -> Split | None:
         """Its two parts, see `make_split`."""
         return make_split(self.stiffness, self.num_points)
-
-    @cached_property
-    def stiffness_decays(self) -> bool:
-        """Whether K in real space is short-ranged; not where its longest waves are the stiffest, as on thin
-        incompressible layers.
-        """
-        return bool(self.stiffness[1] <= _STIFF * self.stiffness[1:].min())
 
     @cached_property
     def whole(self) -> Array64:

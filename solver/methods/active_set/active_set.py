@@ -28,6 +28,7 @@ from .surface import ContactSet, Surface
 
 _SOFT = 0.01  # stiffness of a base over that of its coating, below which the coating is stiff
 _LEAST = 0.23  # share of the nodes in contact from which displacements as unknown take less time than pressures
+_SHORT_RANGED = 2.0  # K of the longest wave over the least K, up to which K in real space is short-ranged
 
 
 class ActiveSet(Search[ContactSet]):
@@ -160,7 +161,7 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     """The active set on a grid, in the form that suits the contact's share of it."""
     layer = problem.layer
     much = config.contact_share >= _LEAST and config.precision == "float64"
-    free = much and layer.stiffness_decays
+    free = much and bool(layer.stiffness[1] <= _SHORT_RANGED * layer.stiffness[1:].min())
     symbol = problem.stiffness if free else layer.compliance
     # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid, and
     # do not keep the layer's response alive

@@ -85,10 +85,6 @@ class Everywhere:
         self.pairs += 1
         self.field[:] = self._operators[1].apply(places, values)
 
-    def places(self, nodes: Indices) -> Indices:
-        """Where these nodes have their values."""
-        return nodes
-
     def image(self, places: Indices | slice, direction: Array64) -> Array:
         """The image of a search direction at these places, in the precision of its transforms, there."""
         self.pairs += 1

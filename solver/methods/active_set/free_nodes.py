@@ -74,11 +74,6 @@ class FreeNodes(Search[NodeSet]):
         self._displacement[held] = self.problem.height[held]
         self._all.renew(slice(held.size), self._displacement)
 
-    @property
-    def _residual_force(self) -> Array64:
-        """r on the free nodes [p]."""
-        return 1 - self._all.field[self._set.nodes]
-
     def tighten(self) -> bool:
         self._make_force()  # the force carried along has lost touch with the displacement
         self._set.begin_anew()
@@ -86,7 +81,7 @@ class FreeNodes(Search[NodeSet]):
 
     def step(self) -> None:
         """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
-        force = self._residual_force
+        force = 1 - self._all.field[self._set.nodes]  # on the free nodes
         self.residual = math.sqrt(float(force @ force) / max(1, force.size))
         self._go_on(lambda: self._iterate(force))
 
