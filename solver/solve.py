@@ -187,14 +187,10 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
 
 def _displacement(initial: Array64, problem: Problem) -> Array64:
     """A displacement to start from, shape (N,) [length], in the problem's unit; see `solve`. Raises `ValueError`."""
-    allowed = f"allowed: an array of {problem.num_points} finite real numbers"
-    displacement = checks.array(initial)
-    if displacement is None:
-        raise ValueError(f"initial is masked or not an array of real numbers; {allowed}")
-    if displacement.shape != (problem.num_points,):
-        raise ValueError(f"initial has shape {displacement.shape}; {allowed}")
+    n, allowed = problem.num_points, f"an array of {problem.num_points} finite real numbers"
+    displacement = checks.array("initial", initial, allowed, n, n)
     if not np.isfinite(displacement).all():
-        raise ValueError(f"initial holds a value that is not finite; {allowed}")
+        raise ValueError(f"initial holds a value that is not finite; allowed: {allowed}")
     # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
     reach = problem.layer.reach * problem.length_unit
     inside = np.clip(displacement, -reach, reach) / problem.length_unit
