@@ -53,13 +53,17 @@ class Fire(Method):
         self.padding = self.u.size - n
         self._inverse = transforms.inverse(self.work)
         self._apply_stiffness = self._operator(self.u, problem.stiffness)
-        self.state = transforms.take(self._start_state())
+        s = np.zeros(layout.STATE_LENGTH)
+        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = self.n_min, self.f_inc, self.f_dec
+        s[layout.ALPHA] = s[layout.ALPHA_START] = self.alpha_start
+        s[layout.F_ALPHA], s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.f_alpha, tolerance, self.u.size
+        s[layout.RESIDUAL] = np.inf
+        self.state = transforms.take(s)
         self._prepare(own_load)
         transforms.put(self.height, problem.height)
         self.start(np.zeros(n))
 
     def start(self, displacement: Array64) -> None:
-        """Begin at rest from u, shape (N,) [u], put below the wall."""
         self.transforms.put(self.u, displacement)
         self.v[:] = 0
         self.stop_at_wall()
@@ -68,15 +72,6 @@ class Fire(Method):
         """Forward transform of `source`, multiplication by `symbol`, shape (N//2 + 1,), inverse transform to `work`."""
         multiply = self.transforms.multiplication(symbol, self.work)
         return self.transforms.forward(source), multiply, self._inverse
-
-    def _start_state(self) -> Array64:
-        s = np.zeros(layout.STATE_LENGTH)
-        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = self.n_min, self.f_inc, self.f_dec
-        s[layout.ALPHA] = s[layout.ALPHA_START] = self.alpha_start
-        s[layout.F_ALPHA] = self.f_alpha
-        s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.tolerance, self.u.size
-        s[layout.RESIDUAL] = np.inf
-        return s
 
     def _limit_step(self, stiffest: float, longest: float = math.inf) -> None:
         """Limit dt by the stiffest mode, and by a longest step."""
@@ -103,7 +98,6 @@ class Fire(Method):
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [u], in float64; nodes on the wall of this precision stand on the exact wall."""
         n, height = self.num_points, self.problem.height
         u, wall = self.transforms.fetch(self.u[:n]), self.transforms.fetch(self.height[:n])
         return np.where(u >= wall, height, np.minimum(u.astype(np.float64), height))
@@ -119,7 +113,6 @@ class Fire(Method):
 
     @property
     def stopped(self) -> bool:
-        """Converged or diverged: further steps change nothing."""
         return bool(self.state[layout.STOPPED])
 
     @property

@@ -145,12 +145,10 @@ class ActiveSet(Search[ContactSet]):
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [u], in float64; contact nodes stand on the exact wall. 0 before the first set."""
         return self._surface.displacement(self._set) if self._begun else np.zeros(self.problem.num_points)
 
     @property
     def contact_pressure(self) -> Array64:
-        """sigma, shape (N,) [p]; 0 before the first set."""
         pressure = np.zeros(self.problem.num_points)
         if self._begun:
             pressure[self._set.nodes] = np.maximum(self._set.pressure, 0.0)

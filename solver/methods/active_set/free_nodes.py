@@ -119,10 +119,8 @@ class FreeNodes(Search[NodeSet]):
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [u], in float64; contact nodes stand on the exact wall."""
         return np.minimum(self._displacement, self.problem.height)
 
     @property
     def contact_pressure(self) -> Array64:
-        """sigma, shape (N,) [p]."""
         return np.where(self._free, 0.0, np.maximum(1 - self._all.field[: self.problem.num_points], 0.0))
