@@ -1,10 +1,8 @@
 """The field that an operator makes of values on some nodes and adds to: with G the response w = G sigma to a contact
 pressure, with K the force K u of a displacement.
 
-`Everywhere` makes it on all nodes, by transforms of their number. `Nearby` makes the response near the contact only, by
-the two parts of a `grid.split`. `near`: blocks of nodes around the contact are moved together until gaps are as wide as
-its range, and are convolved by one short transform. `far`: spread to the blocks by the spline, convolved there, and
-gathered by it.
+`Everywhere` makes it on all nodes, by transforms of their number; `Nearby` makes the response near the contact only, by
+the two parts of a `grid.split`, as docs/architecture.md describes it.
 """
 
 from collections.abc import Callable

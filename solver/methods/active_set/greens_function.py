@@ -1,8 +1,4 @@
-"""Parts of the layer's response on one grid: inverse factors, sums over patches, and short convolutions.
-
-G is a Toeplitz matrix, so all patches of a contact share one inverse Cholesky factor, and sums of G over two patches
-are differences of its second running sum. Convolutions over a few nodes go by short transforms.
-"""
+"""Parts of the layer's response on one grid for `preconditioner`: inverse factors, sums over patches, convolutions."""
 
 import math
 from functools import cached_property
