@@ -58,13 +58,6 @@ class NodeSet:
         """Grid index of each of them, shape (nodes,)."""
         return self.patches.nodes
 
-    def iterate(self, residual: float) -> bool:
-        """Count an iteration that begins with this residual, over p; False if more of them are of no use."""
-        self.in_vain += 1
-        if residual < self.least_residual:
-            self.least_residual, self.in_vain = residual, 0
-        return self.in_vain <= _PATIENCE
-
     def begin_anew(self) -> None:
         """Conjugate gradients begin anew on this set, with another operator or solution."""
         self.last_product, self.least_residual, self.in_vain = 0.0, math.inf, 0
@@ -144,10 +137,12 @@ class Search(Method, Generic[Nodes]):
                 self.stopped = True
                 return
         self.iteration += 1
-        useful = now.iterate(self.residual)
+        now.in_vain += 1
+        if self.residual < now.least_residual:
+            now.least_residual, now.in_vain = self.residual, 0
         if not math.isfinite(self.residual):
             self.stopped = True
-        elif not useful or not iterate():
+        elif now.in_vain > _PATIENCE or not iterate():
             if self._operator_is_exact():
                 # this set is not solved any further; it may be the wrong one, unless it was examined before: now
                 # rounding would decide
