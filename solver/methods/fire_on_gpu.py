@@ -70,7 +70,7 @@ def _net_force(problem: Problem) -> NetForce:
     """`problem.net_force` on the GPU, in float64."""
     transforms = on_gpu.Transforms(problem.num_points, "float64")
     field = transforms.buffer()
-    multiply = transforms.multiplication(problem.stiffness, field)
+    multiply = transforms.multiplication(problem.stiffness)
     operator = transforms.forward(field), multiply, transforms.inverse(field)
 
     def net_force(displacement: Array64) -> Array64:

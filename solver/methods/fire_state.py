@@ -70,8 +70,7 @@ class Fire(Method):
 
     def _operator(self, source: Array, symbol: Array64) -> Operator:
         """Forward transform of `source`, multiplication by `symbol`, shape (N//2 + 1,), inverse transform to `work`."""
-        multiply = self.transforms.multiplication(symbol, self.work)
-        return self.transforms.forward(source), multiply, self._inverse
+        return self.transforms.forward(source), self.transforms.multiplication(symbol), self._inverse
 
     def _limit_step(self, stiffest: float, longest: float = math.inf) -> None:
         """Limit dt by the stiffest mode, and by a longest step."""

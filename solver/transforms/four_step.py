@@ -108,8 +108,8 @@ class FourStep(Transforms):
 
         return lambda: do_all(self._workers, self._columns, work)
 
-    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
-        """The rows are transformed before, and back after it. It is the same for every target."""
+    def multiplication(self, symbol: Array64) -> Callable[[], None]:
+        """The rows are transformed before, and back after it."""
         factors = self._by_row(symbol / self.num_points)
         doubled = self.doubled(factors.ravel())[: 2 * factors.size].reshape(self._num_rows, -1)
         workers = [_RowWorker(self._row, self) for _ in range(min(self.threads, len(self._batches)))]

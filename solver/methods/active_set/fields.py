@@ -30,7 +30,7 @@ class Operator:
         self.new_field = transforms.buffer
         self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
-        self._parts = forward, transforms.multiplication(symbol, self.target), inverse
+        self._parts = forward, transforms.multiplication(symbol), inverse
 
     def apply(self, places: Indices | slice, values: Array64) -> Array:
         """`target` after it was these values at these places and 0 elsewhere."""
