@@ -84,11 +84,8 @@ class LayerOnGrid:
         """The pressure at the edge of a contact. Raises `ValueError` like `modulus_on_grid`."""
         if self.thickness == math.inf:
             return half_space_curve()
-
-        def anywhere(q: Array64) -> Array64:
-            return np.asarray(np.log(_modulus(self._layer, q, self.num_points, self._period)))
-
-        return make_curve(lambda q: np.log(self.modulus(q)), anywhere)
+        layer, n, period = self._layer, self.num_points, self._period
+        return make_curve(lambda q: np.log(self.modulus(q)), lambda q: np.log(_modulus(layer, q, n, period)))
 
     @cached_property
     def around_node(self) -> Array64:

@@ -31,8 +31,10 @@ _LEAST = 0.23  # share of the nodes in contact from which displacements as unkno
 _SHORT_RANGED = 2.0  # K of the longest wave over the least K, up to which K in real space is short-ranged
 
 
-class ActiveSet(Search[ContactSet]):
+class ActiveSet(Search):
     """The active set on one grid, by pressures."""
+
+    _set: ContactSet
 
     def __init__(
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere

@@ -36,7 +36,7 @@ def gap_by_gap(green: GreensFunction, gaps: Patches) -> RunByRun:
     return RunByRun(gaps, partial(green.factor, of_stiffness=True), long)
 
 
-class FreeNodes(Search[NodeSet]):
+class FreeNodes(Search):
     """The active set on one grid, by displacements; in float64. Its set is that of the free nodes."""
 
     def __init__(

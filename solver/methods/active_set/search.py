@@ -9,7 +9,6 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -71,17 +70,14 @@ class NodeSet:
         return self.direction
 
 
-Nodes = TypeVar("Nodes", bound=NodeSet)
-
-
-class Search(Method, Generic[Nodes]):
+class Search(Method):
     """The active set on one grid, in either form."""
 
     iteration = 0
     residual = math.inf
     stopped = False
     patience = None  # the residual starts anew with every set
-    _set: Nodes
+    _set: NodeSet
 
     def __init__(
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
@@ -158,7 +154,7 @@ class Search(Method, Generic[Nodes]):
     def _update_set(self) -> bool:
         """Take the next set; False if no node wants to join or leave."""
 
-    def _circles(self, before: Nodes) -> bool:
+    def _circles(self, before: NodeSet) -> bool:
         """Whether the new set comes back although the search is cautious, which ends it with the one before."""
         key = hash((self._set.patches.first.tobytes(), self._set.patches.last.tobytes()))
         if key in self._keys and self._cautious:
