@@ -11,7 +11,6 @@ import numpy as np
 from ...kernels import CHUNK
 from ..arrays import Array
 from .backend import Transforms
-from .device import check_settings
 from .four_step import FASTER, FourStep, row_length
 from .plain import IN_PLACE
 
@@ -78,7 +77,6 @@ def plan_transforms(
 
     way: one of `WAYS`, by default the fastest. Raises `ValueError`.
     """
-    threads, planning = check_settings(threads, planning)
     if way is None:
         way = "four-step" if num_points >= FASTER and row_length(num_points) else "real"
     return WAYS[way](num_points, precision, threads, planning, backend)
