@@ -37,7 +37,7 @@ class Fire(Method):
     transform_pairs = 0.0
     pairs_per_iteration = 1
     probe_every = sys.maxsize
-    """Every so many iterations one does more than its parts."""
+    """From one iteration that does more than its parts to the next; the first is one."""
     buffers = 6
     """How many arrays of N values it has, those of the transforms included."""
 

@@ -79,7 +79,7 @@ def foundation_half_width(reduced_load: float, exponent: float, radius: float, m
 def guessed_half_width(load: float, exponent: float, radius: float, layer: ElasticLayer, period: float = 1.0) -> float:
     """Half-width [L]: the half-space's or that of a thin bonded layer, compressible or not (the less stiff), if less.
 
-    On a thin layer with nu = 1/2 a^(n+3) = 2 (n+1)(n+3) d^3 R^(n-1) p L.
+    On a thin layer with nu = 1/2 a^(n+3) = 2 (n+1)(n+3) d^3 R^(n-1) p L. period: L in the layer's unit of length.
     """
     n = exponent
     foundation = foundation_half_width(load, n, radius, layer.foundation_modulus(period))
