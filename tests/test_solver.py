@@ -324,10 +324,10 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: solve(hertz(), threads=0), "threads"),
         (lambda: solve(hertz(), planning="hasty"), "planning"),
         (lambda: solve(hertz(), backend="cuda"), "backend"),
-        (lambda: solve(hertz(), initial=np.zeros(3)), "shape of initial is"),
+        (lambda: solve(hertz(), initial=np.zeros(3)), "initial has shape"),
         (lambda: solve(hertz(), initial=np.full(2**10, np.nan)), "initial"),
-        (lambda: solve(hertz(), initial=np.full(2**10, 1j)), "initial is array.*; allowed: an array of"),
-        (lambda: solve(hertz(), initial=[[1.0, 2.0], [3.0]]), "initial is .*; allowed: an array of"),
+        (lambda: solve(hertz(), initial=np.full(2**10, 1j)), "initial is masked or not an array of real numbers"),
+        (lambda: solve(hertz(), initial=[[1.0, 2.0], [3.0]]), "initial is masked or not an array of real numbers"),
     ],
 )
 def test_bad_input_is_named(make, named):
