@@ -29,8 +29,6 @@ MODULES = {
     "warp_columns": ("unpack_columns", "pack_columns"),
 }
 """The kernels, by the modules that they are in."""
-_OTHERS = ("fold_sums", "narrow_ends", "pressed_ends")
-"""Kernels that are no passes over fields: of `on_gpu`, and of the ends of patches."""
 ON_CPU_ONLY = ("warp_columns",)
 """Modules that no GPU needs."""
 GPU_BLOCK = 256
@@ -102,8 +100,7 @@ def compile_modules(modules: list[ModuleType], device: str = "cpu") -> dict[str,
     """Warp's kernels by name, in both precisions, of `MODULES` or of copies of them; device: Warp's name of it."""
     import warp as wp
 
-    names = (*KERNELS, *_OTHERS)
-    kernels = {name: vars(module)[name] for module in modules for name in names if name in vars(module)}
+    kernels = {k: v for module in modules for k, v in vars(module).items() if isinstance(v, wp.Kernel)}
     for kernel in kernels.values():
         if kernel.is_generic:
             arguments = {a.label: a.type for a in kernel.adj.args}

@@ -17,7 +17,7 @@ from .layers import LAYERS, CoatedHalfSpace, ElasticLayer, Layer, SlidingLayer, 
 from .methods import METHODS, Method, MethodKind
 from .scene import Scene
 from .solution import Choice, Solution
-from .solve import default_tolerance, solve
+from .solve import solve
 from .strategy.linearised import contact_stiffness
 
 __all__ = [
@@ -46,6 +46,5 @@ __all__ = [
     "TabulatedLayer",
     "certify",
     "contact_stiffness",
-    "default_tolerance",
     "solve",
 ]

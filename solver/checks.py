@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from decimal import Decimal
 from numbers import Real
 from pathlib import Path
@@ -56,16 +56,20 @@ def integer(name: str, value: object, allowed: str, low: int, high: int, multipl
     return number
 
 
-def array(value: object) -> Array64 | None:
-    """A copy of `value` in float64 if it is an array of real numbers of any shape, else None: masked values, complex
-    numbers, texts and truth values are none.
+def array(name: str, value: object, allowed: str, least: int, most: float = math.inf) -> Array64:
+    """A copy of `value` in float64 if it is a one-dimensional array of `least` to `most` real numbers: masked values,
+    complex numbers, texts and truth values are none. Raises `ValueError`.
     """
-    try:
+    found = None
+    with suppress(TypeError, ValueError, OverflowError):
         given = np.asarray(value)
         known = given.dtype.kind in "fiu" or (given.dtype.kind == "O" and all(map(_is_real, given.flat)))
-        return np.array(given, dtype=np.float64) if known and not np.ma.is_masked(value) else None
-    except (TypeError, ValueError, OverflowError):
-        return None
+        found = np.array(given, dtype=np.float64) if known and not np.ma.is_masked(value) else None
+    if found is None:
+        raise ValueError(f"{name} is masked or not an array of real numbers; allowed: {allowed}")
+    if found.ndim != 1 or not least <= found.size <= most:
+        raise ValueError(f"{name} has shape {found.shape}; allowed: {allowed}")
+    return found
 
 
 def _is_real(value: object) -> bool:

@@ -47,6 +47,3 @@ class Reason:
 
     def __str__(self) -> str:
         return f"{self.parameter} is {self.found}; allowed: {self.allowed}" if self.parameter else self.found
-
-
-INTERRUPTED = Reason(Cause.INTERRUPTION, "", "it was interrupted", "")

@@ -66,7 +66,8 @@ def solve(
     method: one of `METHODS`, by default `DEFAULT`.
     nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
-        default `default_tolerance`, or the level of rounding if that is more.
+        default 1e-8, in float32 the larger of 1e-4 and four times the residual of rounding. Where rounding turns out to
+        leave more, `Solution.tolerance` says how much.
     max_iterations: at least 1, all grids, hand-over included; default by method. Where an approach is given, of each
         of the solves that it takes.
     initial: displacement to start from, shape (N,) [length], for instance a neighbour's solution.
@@ -186,16 +187,12 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
 
 def _displacement(initial: Array64, problem: Problem) -> Array64:
     """A displacement to start from, shape (N,) [length], in the problem's unit; see `solve`. Raises `ValueError`."""
-    allowed = f"allowed: an array of {problem.num_points} finite real numbers"
-    displacement = checks.array(initial)
-    if displacement is None:
-        raise ValueError(f"initial is masked or not an array of real numbers; {allowed}")
-    if displacement.shape != (problem.num_points,):
-        raise ValueError(f"initial has shape {displacement.shape}; {allowed}")
+    n, allowed = problem.num_points, f"an array of {problem.num_points} finite real numbers"
+    displacement = checks.array("initial", initial, allowed, n, n)
     if not np.isfinite(displacement).all():
-        raise ValueError(f"initial holds a value that is not finite; {allowed}")
+        raise ValueError(f"initial holds a value that is not finite; allowed: {allowed}")
     # on the wall exactly, whatever the units' rounding; and not beyond where any solution is
-    reach = problem.reach * problem.length_unit
+    reach = problem.layer.reach * problem.length_unit
     inside = np.clip(displacement, -reach, reach) / problem.length_unit
     return np.where(displacement >= problem.profile, problem.height, inside)
 
@@ -213,19 +210,8 @@ def float32_floor(problem: Problem) -> float:
     return rounding_floor(problem.stiffness, displacement, "float32")
 
 
-def default_tolerance(scene: Scene) -> float:
-    """1e-8; in float32 the larger of 1e-4 and four times the residual of rounding (dimensionless).
-
-    Where rounding turns out to leave more, `Solution.tolerance` says how much, up to `MEANINGLESS`, as long as
-    `MOST_ENERGY` bounds the energy's error.
-
-    Raises `ValueError` where rounding in float32 leaves no meaning in the residual.
-    """
-    return _reachable(Problem.from_scene(scene), None)
-
-
 def _reachable(problem: Problem, tolerance: float | None) -> float:
-    """A tolerance, by default as `default_tolerance` has it; `ValueError` if the scene's precision cannot reach it."""
+    """A tolerance, by default as `solve` has it; `ValueError` if the scene's precision cannot reach it."""
     if problem.scene.precision != "float32":
         return DEFAULT_TOLERANCE if tolerance is None else tolerance
     floor = float32_floor(problem)

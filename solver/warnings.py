@@ -86,7 +86,7 @@ def find_warnings(
         yield SolutionWarning(WarningKind.PROFILE, doubts)
     yield from _of_grid(scene, found, patches)
     yield from _of_estimates(found, patches)
-    yield from _of_elasticity(scene, found, _strain(scene, found, patches, displacement))
+    yield from _of_elasticity(found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:
         text = f"{area:.4f} of the period is in contact; above {NEARLY_FULL} there is hardly anything"
         text += " but finer grids to compare areas and their estimated errors with"
@@ -168,7 +168,7 @@ def _strain(scene: Scene, found: Observables, patches: PatchTable, displacement:
     return largest
 
 
-def _of_elasticity(scene: Scene, found: Observables, strain: float) -> Iterator[SolutionWarning]:
+def _of_elasticity(found: Observables, strain: float) -> Iterator[SolutionWarning]:
     """Whether strains and slopes are small, as linear elasticity takes them to be."""
     slope, taken = found.rms_gradient_subgrid, "are not small, but taken to be"
     if strain > LARGEST_STRAIN:

@@ -184,7 +184,7 @@ def test_fields_of_a_tiny_asperity_carry_the_load():
 
 def test_collocation_does_not_outgrow_the_memory():
     with pytest.raises(ValueError, match="thickness is 1e-07"):
-        collocation.solve_load(0.03, 2.0, 1e5, 1e-7, 0.25)
+        collocation.solve_layer(Layer(1e-7, 0.25), 0.03, 2.0, 1e5)
 
 
 @pytest.mark.parametrize("options", [{"accuracy": 1e-2}, {"tolerance": 1e-8}])
@@ -268,7 +268,7 @@ def random_scene(rng, rough):
     exponent = float(rng.choice([1.5, 2, 3, 4, rng.uniform(1.2, 6)]))
     scene = Scene(Layer(d, nu), PowerIndenter(exponent), 10 ** rng.uniform(-5, -1.5), num_points=2**16)
     try:
-        exact = collocation.solve_to_accuracy(scene.pressure, exponent, 1.0, d, nu, 1e-6)[0].contact_area
+        exact = collocation.solve_to_accuracy(Layer(d, nu), scene.pressure, exponent, 1.0, 1e-6)[0].contact_area
     except ValueError:  # a thin layer
         exact = solve(replace(scene, num_points=2**19)).observables.contact_area_subgrid
     return scene, 10 ** rng.uniform(-5, -1.5), exact

@@ -404,9 +404,9 @@ def test_smaller_models_stand_in_for_what_they_know_only():
 
 @pytest.mark.parametrize("exponent", [2.0, 3.0])
 def test_collocation_tells_the_accuracy_of_each(exponent):
-    exact = collocation.solve_load(2e-3, exponent, 1.0, 0.05, 0.3, 800)
+    exact = collocation.solve_layer(Layer(0.05, 0.3), 2e-3, exponent, 1.0, 800)
     for name in collocation.MEASURED:
-        found, errors = collocation.solve_to_accuracy(2e-3, exponent, 1.0, 0.05, 0.3, 1e-5, name)
+        found, errors = collocation.solve_to_accuracy(Layer(0.05, 0.3), 2e-3, exponent, 1.0, 1e-5, name)
         assert abs(getattr(found, name) / getattr(exact, name) - 1) <= errors[name] <= 1e-5
 
 
@@ -414,11 +414,11 @@ def test_collocation_tells_the_accuracy_of_each(exponent):
 @pytest.mark.parametrize("exponent", [1.3, 1.5, 2.5])
 def test_collocation_knows_what_is_left_of_its_errors(thickness, exponent):
     """Peak pressures at sharp tips change by less than what is left of their error."""
-    wanted = (2e-3, exponent, 1.0, thickness, 0.3)
+    wanted = (Layer(thickness, 0.3), 2e-3, exponent, 1.0)
     fine, _ = collocation.solve_to_accuracy(*wanted, 1e-7)
     found, errors = collocation.solve_to_accuracy(*wanted, 1e-3)
     assert abs(found.contact_area / fine.contact_area - 1) <= errors["contact_area"]
-    finest = collocation.solve_load(*wanted, 1600)
+    finest = collocation.solve_layer(*wanted, 1600)
     assert abs(found.peak_pressure / finest.peak_pressure - 1) <= errors["peak_pressure"]
 
 
@@ -426,8 +426,8 @@ def test_collocation_takes_no_chance_for_its_order():
     """A soak's find: below a sharp tip, near full contact, areas on 150, 300 and 600 nodes change by 1.3e-3 and -4e-6,
     not by a quarter and a sixteenth.
     """
-    wanted = (50.0, 1.07, 1e-6, 0.007, 0.25)
-    fine = collocation.solve_load(*wanted, 2304)
+    wanted = (Layer(0.007, 0.25), 50.0, 1.07, 1e-6)
+    fine = collocation.solve_layer(*wanted, 2304)
     found, errors = collocation.solve_to_accuracy(*wanted, 1e-5)
     assert abs(found.contact_area / fine.contact_area - 1) <= errors["contact_area"]
 
@@ -449,7 +449,7 @@ def test_bad_input(options, message):
 def test_estimates_hold_for_lone_contacts_of_few_nodes(nodes, exponent):
     held, num_points = [], 2**11
     for width in np.linspace(nodes, nodes + 1.5, 6):
-        asperity = collocation.solve_load(1e-4, exponent, 1.0, math.inf, 0.3)
+        asperity = collocation.solve_layer(Layer(math.inf, 0.3), 1e-4, exponent, 1.0)
         load = 1e-4 * (width / num_points / asperity.contact_area) ** exponent  # on a half-space p ~ a^n
         exact = closed_forms.periodic_half_space_area(exponent, 1.0, load)
         found = solve(Scene(indenter=PowerIndenter(exponent), pressure=load, num_points=num_points)).observables

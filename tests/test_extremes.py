@@ -245,8 +245,8 @@ def test_an_asperity_on_an_odd_grid(num_points):
 def test_guess_of_the_half_width(exponent, poisson_ratio):
     """For nu next to 1/2 it was that of a foundation nearly rigid, and collocation took half a minute to fail."""
     thickness = 1e-3
-    guess = closed_forms.guessed_half_width(1e-4, exponent, 1.0, thickness, poisson_ratio)
-    found = collocation.solve_load(1e-4, exponent, 1.0, thickness, poisson_ratio)
+    guess = closed_forms.guessed_half_width(1e-4, exponent, 1.0, Layer(thickness, poisson_ratio))
+    found = collocation.solve_layer(Layer(thickness, poisson_ratio), 1e-4, exponent, 1.0)
     assert 0.5 < found.half_width / guess < 1.5
 
 

@@ -60,7 +60,7 @@ def test_it_begins_with_the_nodes_that_carry_the_pressure():
     rough = exact.contact_pressure * np.random.default_rng(0).uniform(0.9, 1.1, 2**12)
     state = begin(problem, 0.5)
     state.start_from_pressure(rough)
-    np.testing.assert_array_equal(~state._set.free, rough > 0)
+    np.testing.assert_array_equal(~state._free, rough > 0)
     assert relax(state, 2000) is Status.CONVERGED
     np.testing.assert_array_equal(state.contact_pressure > 0, exact.contact_pressure > 0)
     assert state.iteration < exact.iteration

@@ -92,7 +92,7 @@ def test_unresolved_waves_name_the_three_ratios():
             "not an array of real numbers",
         ),
         (lambda: MeasuredIndenter([10**400, 1, 2, 3], convention="gap"), "not an array of real numbers"),
-        (lambda: MeasuredIndenter(np.ma.masked_equal(np.arange(16.0), 3), convention="gap"), "heights are masked"),
+        (lambda: MeasuredIndenter(np.ma.masked_equal(np.arange(16.0), 3), convention="gap"), "heights is masked"),
         (lambda: MeasuredIndenter(np.arange(8.0), description=3, convention="gap"), "description is 3; allowed"),
         (
             lambda: Scene(indenter=MeasuredIndenter(np.arange(64.0), convention="gap"), num_points=128),

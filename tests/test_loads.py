@@ -155,7 +155,7 @@ def test_a_parabola_of_few_nodes(num_points):
 def test_a_layer_bends_the_slope(thickness, poisson_ratio):
     """A patch of some ten nodes on layers of different thickness, against collocation."""
     pressure = 0.004 * thickness**2
-    exact = collocation.solve_load(pressure, 2.0, 1.0, thickness, poisson_ratio).contact_area
+    exact = collocation.solve_layer(Layer(thickness, poisson_ratio), pressure, 2.0, 1.0).contact_area
     num_points = 2 * round(0.5 * 10 / exact)
     scene = Scene(Layer(thickness, poisson_ratio), PowerIndenter(2.0), pressure, num_points=num_points)
     found = solve(scene).observables

@@ -87,7 +87,7 @@ def test_persson_s_theory_beside_them(file):
     scene = Scene(Layer(1e-2, 0.25), RoughIndenter(0.5, 0, cut_off_ratio=0.5), 0.1, num_points=2**10)
     problem = Problem.from_scene(scene)
     rms = closed_forms.full_contact_rms_pressure(
-        problem.stiffness * problem.stiffness_unit, problem.height * problem.length_unit
+        problem.stiffness * problem.layer.unit, problem.height * problem.length_unit
     )
     line = file.lines[line_name(0.5, 0.25, 1e-2)]
     np.testing.assert_allclose(line["contact_area"], [closed_forms.persson_area(p, rms) for p in line["pressure"]])

@@ -405,7 +405,13 @@ def test_wrong_options_are_named_in_python(tmp_path, options, named):
     path = write(tmp_path, ".csv", [np.random.default_rng(0).random(32)])
     with pytest.raises(ValueError, match=named):
         read_scan(path, **{"scan_length": 1.0, "z_unit": "um"} | options)
-    for wrong, shown in ((None, "None"), (3, "3"), (b"scan.csv", "b'scan.csv'")):
+    for wrong, shown in (
+        (None, "None"),
+        (3, "3"),
+        (b"scan.csv", "b'scan.csv'"),
+        ("", "''"),
+        ("a\0b.csv", r"'a\\x00b.csv'"),
+    ):
         with pytest.raises(ValueError, match=rf"^path is {shown}; allowed: text or a path"):
             read_scan(wrong)
 

@@ -60,7 +60,7 @@ SCENES = [
 def test_against_collocation(method, d, nu, n):
     points = 2**11 if method == "fire" else 2**12
     scene = Scene(Layer(d, nu), PowerIndenter(n), pressure=1e-3, num_points=points)
-    exact = collocation.solve_load(1e-3, n, 1.0, d, nu)
+    exact = collocation.solve_layer(Layer(d, nu), 1e-3, n, 1.0)
     found = solve(scene, method=method)
     assert found.status is Status.CONVERGED
     # counting misses each of the two edges by less than one node
@@ -75,7 +75,7 @@ def test_against_collocation(method, d, nu, n):
 def test_order_of_convergence(d, nu):
     """rms over loads (the edge's place between nodes averages out): second order in dx/a, measured."""
     loads = np.geomspace(1.6e-3, 2.4e-3, 8)
-    exact = [collocation.solve_load(p, 2.0, 1.0, d, nu) for p in loads]
+    exact = [collocation.solve_layer(Layer(d, nu), p, 2.0, 1.0) for p in loads]
     errors = []
     for points in (2**8, 2**12):
         found = [solve(hertz(d, nu, points, pressure=p), tolerance=1e-9) for p in loads]
@@ -107,7 +107,7 @@ def test_float32_reaches_what_rounding_allows():
         solution = solve(hertz(0.1, 0.25, points, precision="float32"))
         assert solution.status is Status.CONVERGED
         assert abs(solution.observables.contact_area - 0.094482408562) < 2 / points
-        exact = collocation.solve_load(2e-3, 2.0, 1.0, 0.1, 0.25)
+        exact = collocation.solve_layer(Layer(0.1, 0.25), 2e-3, 2.0, 1.0)
         assert solution.observables.peak_pressure == pytest.approx(exact.peak_pressure, rel=1e-3)
 
 
@@ -124,7 +124,7 @@ def test_full_contact():
 def test_thin_incompressible_layers_from_a_cold_start(n, method):
     solution = solve(Scene(Layer(1e-3, 0.5), PowerIndenter(n), num_points=2**12), method=method)
     assert solution.status is Status.CONVERGED
-    exact = collocation.solve_load(2e-3, n, 1.0, 1e-3, 0.5)
+    exact = collocation.solve_layer(Layer(1e-3, 0.5), 2e-3, n, 1.0)
     assert abs(solution.observables.contact_area - exact.contact_area) < 2 / 2**12
 
 
@@ -317,9 +317,9 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: solve(hertz(), tolerance=math.nan), "tolerance"),
         (lambda: solve(hertz(), tolerance=1.0), "tolerance is 1.0"),
         (lambda: solve(hertz(num_points=2**21, precision="float32")), "num_points is 2097152"),
-        (lambda: collocation.solve_load(-1.0, 2.0, 1.0, 1.0, 0.3), "load is -1"),
-        (lambda: collocation.solve_load(1e-3, 2.0, 1.0, -1.0, 0.3), "thickness"),
-        (lambda: collocation.solve_load(1e-3, 2.0, 1.0, 1.0, 0.3, 7), "num_nodes is 7"),
+        (lambda: collocation.solve_layer(Layer(1.0, 0.3), -1.0, 2.0, 1.0), "load is -1"),
+        (lambda: collocation.solve_layer(Layer(-1.0, 0.3), 1e-3, 2.0, 1.0), "thickness"),
+        (lambda: collocation.solve_layer(Layer(1.0, 0.3), 1e-3, 2.0, 1.0, 7), "num_nodes is 7"),
         (lambda: solve(hertz(), max_iterations=0), "max_iterations is 0"),
         (lambda: solve(hertz(), threads=0), "threads"),
         (lambda: solve(hertz(), planning="hasty"), "planning"),
@@ -368,7 +368,7 @@ def test_scene_is_frozen():
 @pytest.mark.slow
 @pytest.mark.parametrize(("d", "nu"), [(math.inf, 0.25), (0.1, 0.25), (0.01, 0.25), (1e-3, 0.49), (1e-3, 0.5)])
 def test_real_size(d, nu):
-    exact = collocation.solve_load(2e-3, 2.0, 1.0, d, nu)
+    exact = collocation.solve_layer(Layer(d, nu), 2e-3, 2.0, 1.0)
     found = solve(hertz(d, nu, 2**18)).observables
     assert abs(found.contact_area - exact.contact_area) < 1.5 / 2**18
     assert found.peak_pressure == pytest.approx(exact.peak_pressure, rel=1e-5)

@@ -67,7 +67,7 @@ def test_missing_waves_are_named():
 @pytest.mark.parametrize(
     ("q", "k", "said"),
     [
-        (range(1, 8), range(1, 8), r"wave_numbers have shape \(7,\); allowed: 8 or more"),
+        (range(1, 8), range(1, 8), r"wave_numbers has shape \(7,\); allowed: 8 or more"),
         (range(1, 10), range(1, 9), "stiffnesses are 8; allowed: 9, as many as wave_numbers"),
         ([1, 2, 3, 3, 5, 6, 7, 8], range(1, 9), "wave_numbers are 3 after 3 in row 4; allowed: increasing ones"),
         (range(9), range(1, 10), "wave_numbers are 0 in row 1; allowed: 8 or more finite real numbers > 0"),
@@ -110,7 +110,7 @@ def test_from_a_file(file, capsys):
         ("1 2 3\n4 5 6\n", "of 3 columns; allowed: two, q and K(q)"),
         ("1 2\n3\n", "which cannot be read ("),
         ("q K\n", "which cannot be read (could not convert string 'q'"),
-        ("1 2\n2 3\n", "wave_numbers have shape (2,)"),
+        ("1 2\n2 3\n", "wave_numbers has shape (2,)"),
         ("", "which cannot be read (it has no rows)"),
         ("# nothing\n", "which cannot be read (it has no rows)"),
     ],

@@ -44,7 +44,7 @@ def test_a_symbol_applied_in_every_way(threads, n, way, precision, backend):
     rng = np.random.default_rng(0)
     values, symbol = rng.standard_normal(n).astype(precision), rng.standard_normal(n // 2 + 1)
     source, target = plan.buffer(), plan.buffer()
-    parts = plan.forward(source), plan.multiplication(symbol, target), plan.inverse(target)
+    parts = plan.forward(source), plan.multiplication(symbol), plan.inverse(target)
     source[:] = values
     modes = np.fft.rfft(values.astype(np.float64))
     # rounding of values of size 1 in log2(n) passes, and of coefficients of size 1
@@ -64,7 +64,7 @@ def test_real_transforms_in_place(n, monkeypatch):
     values, symbol = rng.standard_normal(n), rng.standard_normal(n // 2 + 1)
     exact, own, other = np.fft.irfft(np.fft.rfft(values) * symbol, n), plan.field(), plan.buffer()
     for source, target in ((own, own), (other, own), (own, other), (other, plan.buffer())):
-        parts = plan.forward(source), plan.multiplication(symbol, target), plan.inverse(target)
+        parts = plan.forward(source), plan.multiplication(symbol), plan.inverse(target)
         for _ in range(2):
             source[:] = values
             for part in parts:

@@ -97,11 +97,6 @@ class _Surface:
         return np.stack([fourth, np.maximum(sixth, fourth**2)])
 
 
-def _known(error: Array64) -> Array64:
-    """Estimated errors of ends that are known by a load or a gap [grid spacings]."""
-    return np.minimum(FITTED.always + error, UNRESOLVED_ERROR)
-
-
 def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array64) -> Edges:
     """Edges with those ends of narrow patches that their loads tell better than their pressures.
 
@@ -116,7 +111,7 @@ def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array
     begin = (edges.left + edges.right)[chosen] / 2, np.minimum(edges.width[chosen], size) / 2
     if resolved:
         gap = patches.gap.min(axis=0)[chosen]
-        error = _known(FITTED.of_heights * (uneven[1] + 1 / gap**2) + FITTED.of_layer * size**3 / layer.thickness**4)
+        error = FITTED.of_heights * (uneven[1] + 1 / gap**2) + FITTED.of_layer * size**3 / layer.thickness**4
         around = Surroundings.of(first, size, gap, surface.pressure, surface.displacement, node_compliance)
         found = from_loads(loads[chosen], heights, begin, around)
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
@@ -150,7 +145,7 @@ def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
         return surface.displacement(nodes) - surface.heights.profile[nodes % n] * surface.heights.scale
 
     uneven = surface.uneven(first, size)
-    error = _known(FITTED.of_heights_at_gaps * uneven[0] + FITTED.of_layer * size / surface.layer.thickness**2)
+    error = FITTED.of_heights_at_gaps * uneven[0] + FITTED.of_layer * size / surface.layer.thickness**2
     closed = Surroundings.of(first, size, narrower[before], negative_opening, surface.pressure, node_stiffness)
     found = gap_ends(closed, edges.right[before], edges.left[behind] + beyond)
     left, right = found.both
@@ -168,8 +163,10 @@ def _bettered(
     the last nodes of their patches, or less than one outside, where the next nodes do not touch; and which pairs.
 
     at: their places among all left and all right ends, shape (2, pairs); ends: new ones, of that shape; error: of
-    both, shape (pairs,) [grid spacings]; solved: which there are; best: which to take whatever the errors.
+    both, without the least, shape (pairs,) [grid spacings]; solved: which there are; best: which to take whatever the
+    errors.
     """
+    error = np.minimum(FITTED.always + error, UNRESOLVED_ERROR)
     places, errors = np.append(edges.left, edges.right), edges.end_errors.ravel().copy()
     inside = (ends - np.append(patches.first, patches.last)[at]) * np.where(at < patches.count, 1, -1)
     better = solved & (best | (2 * error <= errors[at].sum(axis=0)))

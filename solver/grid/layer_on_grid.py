@@ -16,7 +16,6 @@ from .cached import MOST_POINTS, cached, read_only
 from .edge_curves import EdgeCurve, half_space_curve, make_curve
 from .split import Split, inverse, make_split
 
-_STIFF = 2.0  # K of the longest wave over the least K, up to which K is short-ranged
 _ALIKE = 0.2
 """Logarithm of the shortest wave's stiffness over the half-space's, up to which a grid resolves a layer."""
 
@@ -63,6 +62,11 @@ class LayerOnGrid:
         self.made: dict[Any, Any] = {}
         """Fields and Green's functions that methods have made, by configuration; they serve the next solve."""
 
+    @property
+    def reach(self) -> float:
+        """What |u| stays below in every solution [u], see `problem`."""
+        return 2 * self.num_points / float(self.stiffness[1:].min())
+
     def modulus(self, q: Array64) -> Array64:
         """See `modulus_on_grid`."""
         return modulus_on_grid(self._layer, q, self.num_points, self._period)
@@ -80,11 +84,8 @@ class LayerOnGrid:
         """The pressure at the edge of a contact. Raises `ValueError` like `modulus_on_grid`."""
         if self.thickness == math.inf:
             return half_space_curve()
-
-        def anywhere(q: Array64) -> Array64:
-            return np.asarray(np.log(_modulus(self._layer, q, self.num_points, self._period)))
-
-        return make_curve(lambda q: np.log(self.modulus(q)), anywhere)
+        layer, n, period = self._layer, self.num_points, self._period
+        return make_curve(lambda q: np.log(self.modulus(q)), lambda q: np.log(_modulus(layer, q, n, period)))
 
     @cached_property
     def around_node(self) -> Array64:
@@ -103,13 +104,6 @@ class LayerOnGrid:
     def split(self) -> Split | None:
         """Its two parts, see `make_split`."""
         return make_split(self.stiffness, self.num_points)
-
-    @cached_property
-    def stiffness_decays(self) -> bool:
-        """Whether K in real space is short-ranged; not where its longest waves are the stiffest, as on thin
-        incompressible layers.
-        """
-        return bool(self.stiffness[1] <= _STIFF * self.stiffness[1:].min())
 
     @cached_property
     def whole(self) -> Array64:

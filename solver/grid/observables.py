@@ -117,6 +117,8 @@ def measure(found: Contact, displacement: Array64, unit: float = 1.0) -> dict[st
     scene, indenter, num_points = problem.scene, problem.indenter, problem.num_points
     area, gradient, kappa, kappa_error = subgrid_measures(problem, patches, edges)
     modulus, lowest = scene.foundation_modulus, indenter.of.depth_between_nodes(problem.profile)
+    # patches of one or two nodes do not tell how deep the lowest point is in contact before a node touches
+    resolved = patches.count > 0 and int(patches.size.max()) >= UNRESOLVED_BELOW
     return {
         "contact_area_subgrid": area,
         "rms_gradient_subgrid": gradient,
@@ -127,7 +129,7 @@ def measure(found: Contact, displacement: Array64, unit: float = 1.0) -> dict[st
         "peak_pressure": unit * float(pressure.max(initial=0.0)),
         "peak_pressure_sampling": unit * peak_sampling(indenter.exponent, pressure, patches, edges),
         "approach": float(displacement.mean()) + (scene.pressure / modulus if modulus else 0.0) + lowest,
-        "approach_sampling": _approach_sampling(problem, patches),
+        "approach_sampling": indenter.of.hidden_depth(problem.profile) + (0.0 if resolved else lowest),
         "num_patches": patches.count,
     }
 
@@ -163,16 +165,6 @@ def peak_sampling(exponent: float | None, pressure: Array64, patches: Patches, e
     lead = int(np.argmax(expected))
     doubt = expected[lead] * edges.end_errors[:, lead].sum() / width[lead] if told[lead] else 0.0
     return max(bent, abs(float(expected[lead]) - highest) + float(doubt))
-
-
-def _approach_sampling(problem: Problem, patches: Patches) -> float:
-    """By how much the approach may be off because the lowest point may lie between the nodes [length].
-
-    Patches of one or two nodes do not tell how deep it is in contact before a node touches.
-    """
-    indenter, profile = problem.indenter.of, problem.profile
-    resolved = patches.count > 0 and int(patches.size.max()) >= UNRESOLVED_BELOW
-    return indenter.hidden_depth(profile) + (0.0 if resolved else indenter.depth_between_nodes(profile))
 
 
 def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[float, float, float, float]:

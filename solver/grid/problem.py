@@ -11,7 +11,7 @@ h and K remain, and K <= 2: u <= h, K u + sigma = 1, sigma >= 0, sigma (h - u) =
 leaves the numbers of this problem as they are, and no layer is so thin or unit so large that they overflow.
 
 Heights are cut off where nothing ever touches. Without its mean, |u| is at most sum_k 1/K(q_k), over all modes but the
-mean one; u <= 0 where h = 0, and u = h >= 0 somewhere: so |u| <= 2 sum_k 1/K(q_k) < `reach`.
+mean one; u <= 0 where h = 0, and u = h >= 0 somewhere: so |u| <= 2 sum_k 1/K(q_k) < `LayerOnGrid.reach`.
 """
 
 import math
@@ -57,7 +57,7 @@ class Problem:
             scene=scene,
             layer=layer,
             indenter=indenter,
-            height=np.minimum(height, _FAR * _reach(layer.stiffness, n), out=height),
+            height=np.minimum(height, _FAR * layer.reach, out=height),
             length_unit=unit * scene.period,
         )
 
@@ -71,7 +71,7 @@ class Problem:
     def full_contact_pressure(self) -> float:
         """The smallest mean pressure under which all nodes of the grid touch, max(K h) [pressure]."""
         held = irfft(self.stiffness * rfft(self.indenter.profile), self.num_points)
-        return float(held.max()) * self.stiffness_unit * self.scene.layer.contact_modulus
+        return float(held.max()) * self.layer.unit * self.scene.layer.contact_modulus
 
     def to_length(self, displacement: Array64, contact: Mask) -> Array64:
         """A displacement u <= h, shape (N,) [u], as [length], in place; exactly on the wall at the contact nodes."""
@@ -82,22 +82,12 @@ class Problem:
 
     @property
     def stiffness(self) -> Array64:
-        """K(q_k), shape (N//2 + 1,) [`stiffness_unit`]."""
+        """K(q_k), shape (N//2 + 1,) [K]."""
         return self.layer.stiffness
-
-    @property
-    def stiffness_unit(self) -> float:
-        """The unit [K] over E*/L (dimensionless)."""
-        return self.layer.unit
 
     @property
     def num_points(self) -> int:
         return self.height.size
-
-    @property
-    def reach(self) -> float:
-        """What |u| stays below in every solution [u]."""
-        return _reach(self.stiffness, self.num_points)
 
     def net_force(self, displacement: Array64) -> Array64:
         """r = 1 - K u, shape (N,) [p], of a displacement [u]."""
@@ -126,10 +116,6 @@ class Problem:
         response = irfft(modes, self.num_points)
         level = float(pressure @ (self.height + response)) / float(pressure.sum())
         return level - response
-
-
-def _reach(stiffness: Array64, num_points: int) -> float:
-    return 2 * num_points / float(stiffness[1:].min())
 
 
 def foundation_level(height: Array64, modulus: float) -> float:

@@ -40,21 +40,17 @@ class MeasuredIndenter(Indenter):
     _remade: ClassVar[dict[str, Any]] = {"convention": "gap"}
 
     def __post_init__(self, convention: str) -> None:
-        allowed = "allowed: at least 4 finite real numbers, not all equal"
-        heights = checks.array(self.heights)
-        if heights is None:
-            raise ValueError(f"heights are masked or not an array of real numbers; {allowed}")
-        if heights.ndim != 1 or heights.size < 4:
-            raise ValueError(f"heights have shape {heights.shape}; {allowed}")
+        allowed = "at least 4 finite real numbers, not all equal"
+        heights = checks.array("heights", self.heights, allowed, 4)
         bad = np.flatnonzero(~np.isfinite(heights))
         if bad.size:
-            raise ValueError(f"heights[{bad[0]}] is {heights[bad[0]]}; {allowed}")
+            raise ValueError(f"heights[{bad[0]}] is {heights[bad[0]]}; allowed: {allowed}")
         checks.choice("convention", convention, ("heights", "gap"))
         if not isinstance(self.description, dict):
             raise checks.refusal("description", self.description, "a dictionary of names and values")
         heights = heights.max() - heights if convention == "heights" else heights - heights.min()
         if not 0 < heights.max() < math.inf:
-            raise ValueError(f"heights are constant or too far apart; {allowed}")
+            raise ValueError(f"heights are constant or too far apart; allowed: {allowed}")
         if self.measured_points is not None:
             checks.integer("measured_points", self.measured_points, "an integer from 4 to 2^60", 4, 2**60)
         if self.given_period is not None:

@@ -73,14 +73,6 @@ def _sinh_minus_argument(x: Array64) -> Array64:
     return np.asarray(found)
 
 
-def foundation_modulus(thickness: float, poisson_ratio: float) -> float:
-    """Winkler modulus k_W = E* (1-nu)^2/((1-2nu) d), the limit K(0) for nu < 1/2, in units of E* over d's unit.
-
-    0 for the half-space, `inf` for nu = 1/2.
-    """
-    return 1 / foundation_compliance(poisson_ratio) / thickness if poisson_ratio < 0.5 else math.inf
-
-
 def foundation_compliance(poisson_ratio: float) -> float:
     """(1-2nu)/(1-nu)^2, the compliance 1/k_W of the Winkler foundation in units of d/E* (dimensionless)."""
     return (1 - 2 * poisson_ratio) / (1 - poisson_ratio) ** 2
@@ -125,18 +117,16 @@ class Layer(ElasticLayer):
     name: ClassVar[str] = "bonded"
 
     def __post_init__(self) -> None:
-        checks.assign(
-            self,
-            thickness=checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True),
-            poisson_ratio=checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5),
-        )
+        thickness = checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True)
+        checks.assign(self, thickness=thickness)
         check_modulus(self)
 
     def stiffness(self, wave_numbers: Array64, period: float) -> Array64:
         return stiffness(wave_numbers, self.thickness / period, self.poisson_ratio)
 
     def foundation_modulus(self, period: float) -> float:
-        return foundation_modulus(self.thickness / period, self.poisson_ratio)
+        nu = self.poisson_ratio
+        return 1 / foundation_compliance(nu) / (self.thickness / period) if nu < 0.5 else math.inf
 
     @property
     def edge_shift(self) -> float | None:

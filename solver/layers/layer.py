@@ -51,12 +51,15 @@ def own_stiffness(what: str, unit: str, function: Callable[[Array64], Any], q: A
 
 
 def check_modulus(layer: Any, prefix: str = "") -> None:
-    """Check E* > 0 of a layer that is being made, and compute it where E is given instead. Raises `ValueError`.
+    """Check Poisson's ratio, where there is one, and E* > 0 of a layer that is being made, and compute E* where E is
+    given instead. Raises `ValueError`.
 
     prefix: of the fields of the base.
     """
     modulus, young, ratio = f"{prefix or 'contact_'}modulus", f"{prefix}youngs_modulus", f"{prefix}poisson_ratio"
     known, given, nu = (getattr(layer, name) for name in (modulus, young, ratio))
+    if nu is not None:
+        nu = checks.real(ratio, nu, "-1 < nu <= 0.5", -1, 0.5)
     missing = known is type(layer).__dataclass_fields__[modulus].default
     both = "allowed: one of the two, E* = E/(1-nu^2)"
     if given is None and missing and math.isnan(known):
@@ -68,7 +71,7 @@ def check_modulus(layer: Any, prefix: str = "") -> None:
             raise ValueError(f"{ratio} is missing; allowed: -1 < nu <= 0.5 beside {young}, for E* = E/(1-nu^2)")
         known = checks.real(young, given, "a finite pressure > 0", 0) / (1 - nu**2)
         checks.real(young, known, "one whose E* = E/(1-nu^2) is finite", 0)
-    checks.assign(layer, **{modulus: checks.real(modulus, known, "a finite pressure > 0", 0), young: None})
+    checks.assign(layer, **{modulus: checks.real(modulus, known, "a finite pressure > 0", 0), young: None, ratio: nu})
 
 
 class ElasticLayer(Kind):

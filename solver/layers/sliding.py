@@ -41,10 +41,8 @@ class SlidingLayer(ElasticLayer):
 
     def __post_init__(self) -> None:
         thickness = checks.real("thickness", self.thickness, "a length > 0, or inf", 0, infinite=True)
-        if self.poisson_ratio is not None:
-            checks.real("poisson_ratio", self.poisson_ratio, "-1 < nu <= 0.5", -1, 0.5)
-            if self.youngs_modulus is None:
-                raise ValueError(f"poisson_ratio is {self.poisson_ratio}; allowed: with youngs_modulus; E* tells all")
+        if self.poisson_ratio is not None and self.youngs_modulus is None:
+            raise ValueError(f"poisson_ratio is {self.poisson_ratio}; allowed: with youngs_modulus; E* tells all")
         check_modulus(self)
         checks.assign(self, thickness=thickness, poisson_ratio=None)
 

@@ -165,11 +165,7 @@ class TabulatedLayer(ElasticLayer):
 
 def _column(name: str, values: Any) -> Array64:
     allowed = f"{_FEWEST} or more finite real numbers > 0"
-    column = checks.array(values)
-    if column is None:
-        raise checks.refusal(name, values, allowed)
-    if column.ndim != 1 or column.size < _FEWEST:
-        raise ValueError(f"{name} have shape {column.shape}; allowed: {allowed}")
+    column = checks.array(name, values, allowed, _FEWEST)
     bad = np.flatnonzero(~((column > 0) & np.isfinite(column)))
     if bad.size:
         raise ValueError(f"{name} are {column[bad[0]]:.6g} in row {bad[0] + 1}; allowed: {allowed}")

@@ -42,7 +42,6 @@ class RebasedFire(Method):
         self.start(np.zeros(fire.num_points))
 
     def start(self, displacement: Array64) -> None:
-        """Begin at rest from u, shape (N,) [u], put below the wall."""
         self._scale = 1.0
         self._base = np.minimum(self.fire.transforms.take(displacement), self._height)
         self.fire.v[:] = 0
@@ -50,11 +49,10 @@ class RebasedFire(Method):
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [u], in float64; nodes on the wall stand on it exactly."""
         return self.fire.transforms.fetch(self._displacement())
 
     def _displacement(self) -> Array64:
-        """The same where FIRE works."""
+        """u, shape (N,) [u], where FIRE works."""
         n, height = self.fire.num_points, self._height
         u = self.fire.u[:n]
         with np.errstate(over="ignore", invalid="ignore"):
@@ -86,7 +84,6 @@ class RebasedFire(Method):
         self.steps(1)
 
     def steps(self, most: int) -> None:
-        """The same, or some iterations at once, see `Method`."""
         fire = self.fire
         fire.steps(min(most, self._since + LOOK_AFTER - fire.iteration))
         if not fire.residual < OVERFLOWING:  # diverged

@@ -30,7 +30,7 @@ class Repetition:
 
     def __call__(self, fire: Fire, most: int) -> None:
         """Up to `most` iterations, at least one."""
-        count = min(most, self._count, fire.alike)
+        count = min(most, self._count, -fire.iteration % fire.probe_every)  # up to an iteration that does more
         if count < 2:  # the first of all makes preparations that a graph cannot hold
             fire.step()
         else:
@@ -70,7 +70,7 @@ def _net_force(problem: Problem) -> NetForce:
     """`problem.net_force` on the GPU, in float64."""
     transforms = on_gpu.Transforms(problem.num_points, "float64")
     field = transforms.buffer()
-    multiply = transforms.multiplication(problem.stiffness, field)
+    multiply = transforms.multiplication(problem.stiffness)
     operator = transforms.forward(field), multiply, transforms.inverse(field)
 
     def net_force(displacement: Array64) -> Array64:

@@ -36,6 +36,8 @@ class Fire(Method):
     """Where iterations can be repeated without a look at the control state: does so, at most so many times."""
     transform_pairs = 0.0
     pairs_per_iteration = 1
+    probe_every = sys.maxsize
+    """From one iteration that does more than its parts to the next; the first is one."""
     buffers = 6
     """How many arrays of N values it has, those of the transforms included."""
 
@@ -51,30 +53,24 @@ class Fire(Method):
         self.padding = self.u.size - n
         self._inverse = transforms.inverse(self.work)
         self._apply_stiffness = self._operator(self.u, problem.stiffness)
-        self.state = transforms.take(self._start_state())
+        s = np.zeros(layout.STATE_LENGTH)
+        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = self.n_min, self.f_inc, self.f_dec
+        s[layout.ALPHA] = s[layout.ALPHA_START] = self.alpha_start
+        s[layout.F_ALPHA], s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.f_alpha, tolerance, self.u.size
+        s[layout.RESIDUAL] = np.inf
+        self.state = transforms.take(s)
         self._prepare(own_load)
         transforms.put(self.height, problem.height)
         self.start(np.zeros(n))
 
     def start(self, displacement: Array64) -> None:
-        """Begin at rest from u, shape (N,) [u], put below the wall."""
         self.transforms.put(self.u, displacement)
         self.v[:] = 0
         self.stop_at_wall()
 
     def _operator(self, source: Array, symbol: Array64) -> Operator:
         """Forward transform of `source`, multiplication by `symbol`, shape (N//2 + 1,), inverse transform to `work`."""
-        multiply = self.transforms.multiplication(symbol, self.work)
-        return self.transforms.forward(source), multiply, self._inverse
-
-    def _start_state(self) -> Array64:
-        s = np.zeros(layout.STATE_LENGTH)
-        s[layout.N_MIN], s[layout.F_INC], s[layout.F_DEC] = self.n_min, self.f_inc, self.f_dec
-        s[layout.ALPHA] = s[layout.ALPHA_START] = self.alpha_start
-        s[layout.F_ALPHA] = self.f_alpha
-        s[layout.TOLERANCE], s[layout.NUM_POINTS] = self.tolerance, self.u.size
-        s[layout.RESIDUAL] = np.inf
-        return s
+        return self.transforms.forward(source), self.transforms.multiplication(symbol), self._inverse
 
     def _limit_step(self, stiffest: float, longest: float = math.inf) -> None:
         """Limit dt by the stiffest mode, and by a longest step."""
@@ -101,7 +97,6 @@ class Fire(Method):
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [u], in float64; nodes on the wall of this precision stand on the exact wall."""
         n, height = self.num_points, self.problem.height
         u, wall = self.transforms.fetch(self.u[:n]), self.transforms.fetch(self.height[:n])
         return np.where(u >= wall, height, np.minimum(u.astype(np.float64), height))
@@ -117,7 +112,6 @@ class Fire(Method):
 
     @property
     def stopped(self) -> bool:
-        """Converged or diverged: further steps change nothing."""
         return bool(self.state[layout.STOPPED])
 
     @property
@@ -128,11 +122,6 @@ class Fire(Method):
     def parts(self) -> Operator:
         """The steps of an iteration, in order."""
         return *self._apply_stiffness, self._move
-
-    @property
-    def alike(self) -> int:
-        """How many iterations from here on do nothing but their parts."""
-        return sys.maxsize
 
     def steps(self, most: int) -> None:
         """One iteration, or up to `most` where they are repeated without a look at the control state."""

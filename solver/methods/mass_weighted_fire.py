@@ -65,11 +65,6 @@ class MassWeightedFire(Fire):
     def parts(self) -> Operator:
         return *self._apply_stiffness, self._find_force, *self._apply_inverse_mass, self._move
 
-    @property
-    def alike(self) -> int:
-        """Up to the next estimate of lambda_max, which is part of an iteration."""
-        return -self.iteration % self.probe_every
-
     def step(self) -> None:
         self._apply(self._apply_stiffness)
         self._find_force()

@@ -33,7 +33,7 @@ class Method(Protocol):
 
     @abstractmethod
     def start(self, displacement: Array64) -> None:
-        """Begin from a displacement, shape (N,) [u]."""
+        """Begin at rest from a displacement, shape (N,) [u], which is put below the wall."""
 
     def start_from_pressure(self, pressure: Array64) -> None:
         """Begin from a contact pressure, shape (N,) [p], which is 0 where there is no contact."""
@@ -72,7 +72,7 @@ class Method(Protocol):
     @property
     @abstractmethod
     def displacement(self) -> Array64:
-        """u <= h, shape (N,) [u], in float64."""
+        """u <= h, shape (N,) [u], in float64; nodes on the wall stand on it exactly."""
 
     @property
     def contact_pressure(self) -> Array64:

@@ -11,7 +11,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ..arrays import Array64, gauss_legendre
-from ..layers.bonded import foundation_compliance, foundation_modulus
+from ..layers import ElasticLayer
+from ..layers.bonded import foundation_compliance
 from ..transforms.plain import irfft, rfft
 
 
@@ -75,15 +76,15 @@ def foundation_half_width(reduced_load: float, exponent: float, radius: float, m
     return _power(radius, (n - 1) / (n + 1)) * _power(reduced_load * (n + 1) / (2 * modulus), 1 / (n + 1))
 
 
-def guessed_half_width(load: float, exponent: float, radius: float, thickness: float, poisson_ratio: float) -> float:
-    """Half-width [L]: the half-space's or that of a thin layer, compressible or not (the less stiff), if it is less.
+def guessed_half_width(load: float, exponent: float, radius: float, layer: ElasticLayer, period: float = 1.0) -> float:
+    """Half-width [L]: the half-space's or that of a thin bonded layer, compressible or not (the less stiff), if less.
 
-    On a thin layer with nu = 1/2 a^(n+3) = 2 (n+1)(n+3) d^3 R^(n-1) p L.
+    On a thin layer with nu = 1/2 a^(n+3) = 2 (n+1)(n+3) d^3 R^(n-1) p L. period: L in the layer's unit of length.
     """
     n = exponent
-    foundation = foundation_half_width(load, n, radius, foundation_modulus(thickness, poisson_ratio))
+    foundation = foundation_half_width(load, n, radius, layer.foundation_modulus(period))
     incompressible = _power(2 * (n + 1) * (n + 3) * load, 1 / (n + 3))
-    incompressible *= _power(thickness, 3 / (n + 3)) * _power(radius, (n - 1) / (n + 3))
+    incompressible *= _power(layer.thickness / period, 3 / (n + 3)) * _power(radius, (n - 1) / (n + 3))
     return min(lone_half_width(load, n, radius), max(foundation, incompressible))
 
 

@@ -26,19 +26,6 @@ MEASURED = ("contact_area", "kappa", "peak_pressure", "approach")
 _TENSION = 1e-6  # over the peak pressure; where more pulls the contact is not one patch
 
 
-def solve_load(
-    load: float,
-    exponent: float,
-    radius: float,
-    thickness: float,
-    poisson_ratio: float,
-    num_nodes: int = 160,
-    resolution: float = RESOLUTION,
-) -> Asperity:
-    """The asperity under the mean pressure `load` (units of E*) on a bonded layer, see `solve_layer`."""
-    return solve_layer(Layer(thickness, poisson_ratio), load, exponent, radius, num_nodes, resolution)
-
-
 def solve_layer(
     layer: ElasticLayer,
     load: float,
@@ -47,16 +34,15 @@ def solve_layer(
     num_nodes: int = 160,
     resolution: float = RESOLUTION,
 ) -> Asperity:
-    """The asperity on any layer whose K(q) approaches E* q/2 like exp(-2 q d), with E* = 1, lengths in units of L.
+    """The asperity under the mean pressure `load` on any layer whose K(q) approaches E* q/2 like exp(-2 q d), with
+    E* = 1, lengths in units of L.
 
     num_nodes: Gauss-Chebyshev nodes, even; 160 reach 12 digits for even exponents; for n = 1.5 and 3 the approach has 4
     and 6. Thin layers need about sqrt(a/d) times more and get them, see `RESOLUTION`. Raises `ValueError`, also beyond
     0.98 of full contact, and where the contact would have to pull, because it splits, as it may on a coating much
     stiffer than its base.
     """
-    _check(load, exponent, radius, num_nodes)
-    guess = _guess(layer, load, exponent, radius)
-    found = _match(load, exponent, radius, lambda _: layer, guess, num_nodes, resolution).asperity()
+    found = _first_match(layer, load, exponent, radius, num_nodes, resolution).asperity()
     lowest = float(found.pressure.min())
     if lowest < -_TENSION * found.peak_pressure:
         tension = f"there is tension of {-lowest / found.peak_pressure:.2g} of the peak pressure in the contact"
@@ -66,22 +52,13 @@ def solve_layer(
 
 
 def solve_to_accuracy(
-    load: float,
-    exponent: float,
-    radius: float,
-    thickness: float,
-    poisson_ratio: float,
-    accuracy: float,
-    of: str = "contact_area",
+    layer: ElasticLayer, load: float, exponent: float, radius: float, accuracy: float, of: str = "contact_area"
 ) -> tuple[Asperity, dict[str, float]]:
-    """As `solve_load`, and the estimated relative errors of `MEASURED`, that of `of` at most `accuracy`.
+    """As `solve_layer`, and the estimated relative errors of `MEASURED`, that of `of` at most `accuracy`.
 
     Raises `ValueError` where `MOST_NODES` are too few.
     """
-    _check(load, exponent, radius, 16)
-    layer = Layer(thickness, poisson_ratio)
-    guess = _guess(layer, load, exponent, radius)
-    system = _match(load, exponent, radius, lambda _: layer, guess, 32, 10.0)
+    system = _first_match(layer, load, exponent, radius, 32, 10.0)
     found, error = system.asperity(), math.inf
     while 2 * system.num_nodes <= MOST_NODES:
         system = _match(load, exponent, radius, lambda _: layer, system.half_width, 2 * system.num_nodes, 0.0)
@@ -127,11 +104,14 @@ def _check(load: float, exponent: float, radius: float, num_nodes: int) -> None:
     checks.integer("num_nodes", num_nodes, "an even integer from 4 to 10000", 4, 10_000, 2)
 
 
-def _guess(layer: ElasticLayer, load: float, exponent: float, radius: float) -> float:
-    """Half-width to begin the search with; where the layer has no closed form, that on a half-space."""
-    if layer.bonded is None:
-        return lone_half_width(load, exponent, radius)
-    return guessed_half_width(load, exponent, radius, *layer.bonded)
+def _first_match(
+    layer: ElasticLayer, load: float, exponent: float, radius: float, num_nodes: int, resolution: float
+) -> System:
+    """As `_match`, from a closed form's half-width; where the layer has none, from that on a half-space."""
+    _check(load, exponent, radius, num_nodes)
+    shape = load, exponent, radius
+    guess = guessed_half_width(*shape, layer) if layer.bonded else lone_half_width(*shape)
+    return _match(load, exponent, radius, lambda _: layer, guess, num_nodes, resolution)
 
 
 def _match(

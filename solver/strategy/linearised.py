@@ -63,7 +63,7 @@ def flat_punch(problem: Problem, contact: Mask) -> tuple[float, Array64, Array64
     compression = 1 / modulus if modulus else 0.0
     if contact.all():  # the surface stays where it is, and the layer below is compressed
         return compression, np.ones(contact.size), np.zeros(contact.size)
-    punch = replace(problem, height=np.where(contact, 0.0, problem.reach))
+    punch = replace(problem, height=np.where(contact, 0.0, problem.layer.reach))
     backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
     share = float(contact.mean())
     config = ExecutionConfig(_TOLERANCE, fixed_set=True, contact_share=share, backend=backend)

@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import display
 from ..arrays import Array64, Mask
-from ..endings import INTERRUPTED, Cause, Reason, Status
+from ..endings import Cause, Reason, Status
 from ..grid.certificate import MEANINGLESS, Certificate, certify
 from ..grid.contact import Contact
 from ..grid.problem import Problem, foundation_pressure, rounding_floor
@@ -233,7 +233,7 @@ def _reason(run: Run, found: Certified) -> Reason | None:
         looser = ""
     match run.status:
         case Status.INTERRUPTED:
-            return INTERRUPTED
+            return Reason(Cause.INTERRUPTION, "", "it was interrupted", "")
         case Status.ITERATION_LIMIT:
             return Reason(Cause.ITERATIONS, "max_iterations", f"reached after {run.taken}", f"more{other}{looser}")
         case _ if residual <= tolerance:

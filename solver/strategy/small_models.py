@@ -22,6 +22,7 @@ from ..grid.errors import DEFAULT_QUANTITY
 from ..grid.observables import Observables, observe
 from ..grid.patch_table import PatchTable
 from ..grid.problem import Problem
+from ..layers import Layer
 from ..reference import collocation
 from ..reference.closed_forms import foundation_half_width, guessed_half_width, kappa_from_area, kappa_half_space
 from ..scene import Scene
@@ -66,9 +67,8 @@ def decide(scene: Scene, accuracy: float, of: str = DEFAULT_QUANTITY) -> str | N
         return "winkler-foundation"
     if layer.bonded is None or (power[0] < 2 and of == "peak-pressure"):
         return None
-    radius, thickness = power[1] / scene.period, layer.bonded[0] / scene.period
-    half_width = guessed_half_width(scene.reduced_load, power[0], radius, thickness, layer.bonded[1])
-    return "collocation" if half_width < min(_FULL / 2, _LONG_ASPERITY * thickness) else None
+    half_width = guessed_half_width(scene.reduced_load, power[0], power[1] / scene.period, layer, scene.period)
+    return "collocation" if half_width < min(_FULL / 2, _LONG_ASPERITY * layer.thickness / scene.period) else None
 
 
 def by_small_model(run: Run, accuracy: float, of: str) -> Solution | None:
@@ -176,8 +176,8 @@ def _collocated(scene: Scene, accuracy: float, of: str) -> _Contact:
     power, bonded, period = scene.indenter.power_law, scene.layer.bonded, scene.period
     assert power
     assert bonded
-    shape = power[0], power[1] / period, bonded[0] / period, bonded[1]
-    found, known = collocation.solve_to_accuracy(scene.reduced_load, *shape, accuracy / 2, of.replace("-", "_"))
+    layer, shape = Layer(bonded[0] / period, bonded[1]), (power[0], power[1] / period)
+    found, known = collocation.solve_to_accuracy(layer, scene.reduced_load, *shape, accuracy / 2, of.replace("-", "_"))
     errors = {name.replace("_", "-"): error for name, error in known.items()}
     if power[0] < 2:
         errors["peak-pressure"] = math.inf

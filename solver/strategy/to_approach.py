@@ -91,7 +91,7 @@ def _first_pressure(scene: Scene, approach: float, full: bool) -> float:
     problem = Problem.from_scene(scene)
     if full:  # more than that by a little, else rounding may leave nodes without contact
         return (1 + DEFAULT_TOLERANCE) * problem.full_contact_pressure
-    modulus = float(problem.stiffness[1]) * problem.stiffness_unit * scene.layer.contact_modulus / scene.period
+    modulus = float(problem.stiffness[1]) * problem.layer.unit * scene.layer.contact_modulus / scene.period
     return modulus * float(np.maximum(approach - scene.first_node - problem.profile, 0.0).mean())
 
 

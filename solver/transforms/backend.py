@@ -70,9 +70,9 @@ class Backend(ABC):
         found: Array = values.view(np.result_type(self.dtype, np.complex64))
         return found
 
-    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
+    def multiplication(self, symbol: Array64) -> Callable[[], None]:
         """A function without arguments that multiplies by a symbol, shape (N//2 + 1,), and by the factor of the
-        inverse, between `forward` and `inverse` to this target.
+        inverse, between `forward` and `inverse`.
         """
         return self.record([Call("spectral_multiply", (self.doubled(symbol / self.num_points),), (self.spectrum,))])
 
@@ -97,9 +97,7 @@ class Transforms(Backend):
     way: ClassVar[str]
     """How the transforms are done."""
 
-    def __init__(
-        self, num_points: int, precision: str, threads: int = 1, planning: str = "estimate", backend: str = "warp"
-    ) -> None:
+    def __init__(self, num_points: int, precision: str, threads: int, planning: str, backend: str) -> None:
         super().__init__(num_points, precision)
         self.threads, self.planning = threads, planning
         self._backend, self._count = backend, 0

@@ -6,9 +6,7 @@ N = R C values stand in R rows of C columns, x_(C r + c). With w_N = exp(-2 pi i
 
 transforms of the columns, twiddle factors, transforms of the rows (W. M. Gentleman and G. Sande, AFIPS Conf. Proc. 29,
 563 (1966); D. H. Bailey, J. Supercomputing 4, 23 (1990)). The fourth step, a transposition, is left out: what
-multiplies the modes is put into their order instead. So a transform there and back goes over the memory three times:
-forward along the columns, along the rows there and back with the multiplication in between, backward along the columns.
-FFTW's plans for long transforms go over it many times.
+multiplies the modes is put into their order instead. docs/architecture.md says how the memory is gone over.
 
 Two real columns are transformed as one complex column and then taken apart, so R/2 + 1 rows are all that is needed, and
 long and short waves do not share their rounding. Columns that are worked on at a time are put where their values were,
@@ -110,8 +108,8 @@ class FourStep(Transforms):
 
         return lambda: do_all(self._workers, self._columns, work)
 
-    def multiplication(self, symbol: Array64, target: Array) -> Callable[[], None]:
-        """The rows are transformed before, and back after it. It is the same for every target."""
+    def multiplication(self, symbol: Array64) -> Callable[[], None]:
+        """The rows are transformed before, and back after it."""
         factors = self._by_row(symbol / self.num_points)
         doubled = self.doubled(factors.ravel())[: 2 * factors.size].reshape(self._num_rows, -1)
         workers = [_RowWorker(self._row, self) for _ in range(min(self.threads, len(self._batches)))]

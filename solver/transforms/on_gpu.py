@@ -46,7 +46,6 @@ class Transforms(Backend):
         return cast(Array, cupy.asnumpy(values))
 
     def record(self, calls: Sequence[Call]) -> Callable[[], None]:
-        """A function without arguments that puts kernels into the queue, in order."""
         return on_gpu.prepare(calls)
 
     def forward(self, source: Array) -> Callable[[], None]:

@@ -38,9 +38,7 @@ def _hidden(*names: str) -> Iterator[None]:
 with _hidden("scipy", "dask"):
     import pyfftw
 
-__all__ = ["IN_PLACE", "Pair", "Plan", "irfft", "library", "next_fast_len", "pair", "pyfftw", "rfft"]
-
-next_fast_len = pyfftw.next_fast_len
+__all__ = ["IN_PLACE", "Pair", "Plan", "irfft", "pair", "pyfftw", "rfft"]
 
 _PATIENCE = 20.0  # s, for a plan that takes microseconds
 _PLANNED_FROM = 2**12
@@ -49,11 +47,6 @@ IN_PLACE = 2**18
 """Values, in float64, from which FFTW's real transforms take less time in place."""
 _TOO_LONG = 2**22
 """Values beyond which a pair is not kept."""
-
-
-def library() -> str:
-    """The library that plans, with its version."""
-    return str(pyfftw.fftw_version)
 
 
 @locks.once
@@ -120,10 +113,15 @@ class Pair:
 
     def multiply(self, values: Array64, symbol: Array64) -> None:
         """Put n values into `real`, their spectrum multiplied by a symbol, shape (n//2 + 1,)."""
-        self.transform(values)
+        self.real[:] = values
+        self.filter(symbol)
+        self.real /= self.real.size
+
+    def filter(self, symbol: Array64) -> None:
+        """Multiply the spectrum of `real` by a symbol, shape (n//2 + 1,), and by n."""
+        self.forward()
         self.modes *= symbol
         self.inverse()
-        self.real /= self.real.size
 
     def invert(self, modes: Modes | Array64) -> None:
         """Put into `real` the values that have this half spectrum, normalised by 1/n; modes that lack are 0."""

@@ -11,7 +11,6 @@ import numpy as np
 from ...kernels import CHUNK
 from ..arrays import Array
 from .backend import Transforms
-from .device import check_settings
 from .four_step import FASTER, FourStep, row_length
 from .plain import IN_PLACE
 
@@ -27,7 +26,8 @@ class Real(Transforms):
         count = 2 * (self.num_points // 2 + 1)
         self.spectrum = self.buffer(count)
         self._modes = self.complex(self.spectrum[:count])
-        self._in_place = is_in_place(self.num_points, self.dtype.name)
+        self._in_place = self.dtype == np.float64 and self.num_points >= IN_PLACE and self.num_points % CHUNK == 0
+        """Takes less time, and there is no padding."""
 
     def field(self) -> Array:
         return self.spectrum[: self.num_points] if self._in_place else self.buffer()
@@ -77,12 +77,6 @@ def plan_transforms(
 
     way: one of `WAYS`, by default the fastest. Raises `ValueError`.
     """
-    threads, planning = check_settings(threads, planning)
     if way is None:
         way = "four-step" if num_points >= FASTER and row_length(num_points) else "real"
     return WAYS[way](num_points, precision, threads, planning, backend)
-
-
-def is_in_place(num_points: int, precision: str) -> bool:
-    """Whether FFTW's real transforms of that length take less time in place; there is no padding then."""
-    return precision == "float64" and num_points >= IN_PLACE and num_points % CHUNK == 0

@@ -189,16 +189,16 @@ def _true_area_of_a_power(scene: Scene, method: str) -> tuple[float, float] | No
     """The same for a power profile on a bonded layer."""
     assert scene.indenter.power_law is not None
     assert scene.layer.bonded is not None
-    (exponent, radius), (thickness, nu) = scene.indenter.power_law, scene.layer.bonded
+    (exponent, radius), thickness = scene.indenter.power_law, scene.layer.thickness
     if thickness > _HALF_SPACE_FROM:
         return closed_forms.periodic_half_space_area(exponent, radius, scene.pressure), 1e-9
     if method in GRID_FREE:
         return _on_a_grid(scene, _FIELD_POINTS)
-    shape = exponent, radius, thickness, nu
-    if exponent < 1.5 or closed_forms.guessed_half_width(scene.pressure, *shape) >= _LONGEST * thickness:
+    shape = scene.pressure, exponent, radius
+    if exponent < 1.5 or closed_forms.guessed_half_width(*shape, scene.layer) >= _LONGEST * thickness:
         return None
     try:
-        found, errors = collocation.solve_to_accuracy(scene.pressure, *shape, 1e-5)
+        found, errors = collocation.solve_to_accuracy(scene.layer, *shape, 1e-5)
     except ValueError:
         return None
     return found.contact_area, errors["contact_area"] * found.contact_area

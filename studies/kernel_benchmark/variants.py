@@ -244,7 +244,7 @@ def _plan(arrays: Arrays, line: Call) -> Run:
 def product(transforms: Transforms, source: Array, target: Array, factor: float = 1.0) -> Run:
     """A transform there and back with a multiplication by a factor in between."""
     symbol = np.full(transforms.num_points // 2 + 1, factor)
-    parts = transforms.forward(source), transforms.multiplication(symbol, target), transforms.inverse(target)
+    parts = transforms.forward(source), transforms.multiplication(symbol), transforms.inverse(target)
 
     def run() -> None:
         for part in parts:

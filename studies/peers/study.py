@@ -134,7 +134,7 @@ class Task:
         }
         if self.hurst is None:
             assert scene.layer.bonded is not None
-            exact = collocation.solve_load(scene.pressure, 2.0, 1.0, *scene.layer.bonded).contact_area
+            exact = collocation.solve_layer(scene.layer, scene.pressure, 2.0, 1.0).contact_area
             areas = nodes / scene.num_points, record.get("contact_area_subgrid", math.nan)
             record |= {
                 f"spacings_off.{how}": (area - exact) * scene.num_points for how, area in zip(HOW, areas, strict=True)

@@ -117,7 +117,7 @@ def _collocation(
     # which rises like the root of the distance, to 2 % only
     nodes = 160 if exponent % 2 == 0 else 640
     if math.isinf(reduced_thickness):
-        return math.inf, collocation.solve_load(pressure, exponent, RADIUS, math.inf, poisson_ratio, nodes)
+        return math.inf, collocation.solve_layer(Layer(math.inf, poisson_ratio), pressure, exponent, RADIUS, nodes)
     return collocation.solve_reduced_thickness(pressure, exponent, RADIUS, reduced_thickness, poisson_ratio, nodes)
 
 

@@ -113,7 +113,7 @@ class PerssonLine:
     def run(self, _: Progress | None) -> Record:
         """Columns of the line."""
         problem = Problem.from_scene(self.task.scene())
-        stiffness, height = problem.stiffness * problem.stiffness_unit, problem.height * problem.length_unit
+        stiffness, height = problem.stiffness * problem.layer.unit, problem.height * problem.length_unit
         rms = closed_forms.full_contact_rms_pressure(stiffness, height)
         areas = [closed_forms.persson_area(p, rms) for p in self.pressures]
         return {"pressure": list(self.pressures), "contact_area": areas}

@@ -114,7 +114,7 @@ class PerssonLine:
 
     def _area(self, thickness: float) -> float:
         problem = Problem.from_scene(replace(self.task, thickness=thickness).scene())
-        stiffness, height = problem.stiffness * problem.stiffness_unit, problem.height * problem.length_unit
+        stiffness, height = problem.stiffness * problem.layer.unit, problem.height * problem.length_unit
         return closed_forms.persson_area(self.task.pressure, closed_forms.full_contact_rms_pressure(stiffness, height))
 
 

@@ -84,10 +84,9 @@ def make_scene(family: str, log2_points: int, precision: str = "float64", varian
 
 
 def asperity(family: str, variant: int, num_nodes: int, resolution: float) -> Asperity:
-    """A smooth family's scene by collocation; arguments as for `collocation.solve_load`."""
+    """A smooth family's scene by collocation; arguments as for `collocation.solve_layer`."""
     scene = make_scene(family, 8, variant=variant)
-    assert scene.layer.bonded is not None
-    return collocation.solve_load(scene.pressure, 2.0, 1.0, *scene.layer.bonded, num_nodes, resolution)
+    return collocation.solve_layer(scene.layer, scene.pressure, 2.0, 1.0, num_nodes, resolution)
 
 
 @functools.cache

@@ -98,12 +98,13 @@ def _former_estimate(solution: Solution) -> float:
 
 def true_area(scene: Scene, accuracy: float, num_points: int) -> tuple[float, float]:
     """a_r by collocation, or on a grid of 4 to 16 times as many points as the solution has; and its own error."""
-    power, bonded = scene.indenter.power_law, scene.layer.bonded
-    if power and bonded:
-        shape = scene.pressure, *power, *bonded
-        if closed_forms.guessed_half_width(*shape) < _LONGEST * scene.layer.thickness:
+    power, layer = scene.indenter.power_law, scene.layer
+    if power and layer.bonded:
+        shape = scene.pressure, *power
+        if closed_forms.guessed_half_width(*shape, layer) < _LONGEST * layer.thickness:
             try:
-                fine, coarse = (collocation.solve_load(*shape, k * _NODES // 2, k * _RESOLUTION / 2) for k in (2, 1))
+                how = ((k * _NODES // 2, k * _RESOLUTION / 2) for k in (2, 1))
+                fine, coarse = (collocation.solve_layer(layer, *shape, *one) for one in how)
                 return fine.contact_area, abs(coarse.contact_area / fine.contact_area - 1)
             except ValueError:  # nearly full contact
                 pass

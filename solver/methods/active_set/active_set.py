@@ -28,10 +28,13 @@ from .surface import ContactSet, Surface
 
 _SOFT = 0.01  # stiffness of a base over that of its coating, below which the coating is stiff
 _LEAST = 0.23  # share of the nodes in contact from which displacements as unknown take less time than pressures
+_SHORT_RANGED = 2.0  # K of the longest wave over the least K, up to which K in real space is short-ranged
 
 
-class ActiveSet(Search[ContactSet]):
+class ActiveSet(Search):
     """The active set on one grid, by pressures."""
+
+    _set: ContactSet
 
     def __init__(
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
@@ -144,12 +147,10 @@ class ActiveSet(Search[ContactSet]):
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [u], in float64; contact nodes stand on the exact wall. 0 before the first set."""
         return self._surface.displacement(self._set) if self._begun else np.zeros(self.problem.num_points)
 
     @property
     def contact_pressure(self) -> Array64:
-        """sigma, shape (N,) [p]; 0 before the first set."""
         pressure = np.zeros(self.problem.num_points)
         if self._begun:
             pressure[self._set.nodes] = np.maximum(self._set.pressure, 0.0)
@@ -160,7 +161,7 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     """The active set on a grid, in the form that suits the contact's share of it."""
     layer = problem.layer
     much = config.contact_share >= _LEAST and config.precision == "float64"
-    free = much and layer.stiffness_decays
+    free = much and bool(layer.stiffness[1] <= _SHORT_RANGED * layer.stiffness[1:].min())
     symbol = problem.stiffness if free else layer.compliance
     # plans and recorded kernels are a quarter of a small solve's time: they serve the next one with layer and grid, and
     # do not keep the layer's response alive

@@ -1,10 +1,8 @@
 """The field that an operator makes of values on some nodes and adds to: with G the response w = G sigma to a contact
 pressure, with K the force K u of a displacement.
 
-`Everywhere` makes it on all nodes, by transforms of their number. `Nearby` makes the response near the contact only, by
-the two parts of a `grid.split`. `near`: blocks of nodes around the contact are moved together until gaps are as wide as
-its range, and are convolved by one short transform. `far`: spread to the blocks by the spline, convolved there, and
-gathered by it.
+`Everywhere` makes it on all nodes, by transforms of their number; `Nearby` makes the response near the contact only, by
+the two parts of a `grid.split`, as docs/architecture.md describes it.
 """
 
 from collections.abc import Callable
@@ -32,7 +30,7 @@ class Operator:
         self.new_field = transforms.buffer
         self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
-        self._parts = forward, transforms.multiplication(symbol, self.target), inverse
+        self._parts = forward, transforms.multiplication(symbol), inverse
 
     def apply(self, places: Indices | slice, values: Array64) -> Array:
         """`target` after it was these values at these places and 0 elsewhere."""
@@ -84,10 +82,6 @@ class Everywhere:
         """Make the field of values at these places, 0 elsewhere."""
         self.pairs += 1
         self.field[:] = self._operators[1].apply(places, values)
-
-    def places(self, nodes: Indices) -> Indices:
-        """Where these nodes have their values."""
-        return nodes
 
     def image(self, places: Indices | slice, direction: Array64) -> Array:
         """The image of a search direction at these places, in the precision of its transforms, there."""
@@ -157,15 +151,11 @@ class Nearby:
         packed = pair.real.reshape(-1, split.block)
         packed[:] = 0
         packed[self._position] = values
-        pair.forward()
-        pair.modes *= near
-        pair.inverse()
+        pair.filter(near)
         shares, coarse.real[:] = values @ split.weights, 0
         for column, share in zip(self._spread_to.T, shares.T, strict=True):
             coarse.real[column] += share  # no block twice in a column
-        coarse.forward()
-        coarse.modes *= split.far
-        coarse.inverse()
+        coarse.filter(split.far)
         return np.asarray(packed[self._position] + coarse.real[self._spread_to] @ split.weights.T)
 
     def covers(self, nodes: Indices) -> bool:

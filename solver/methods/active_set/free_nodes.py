@@ -10,7 +10,6 @@ Not for layers whose longest waves are the stiffest, thin and incompressible one
 """
 
 import math
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -37,29 +36,16 @@ def gap_by_gap(green: GreensFunction, gaps: Patches) -> RunByRun:
     return RunByRun(gaps, partial(green.factor, of_stiffness=True), long)
 
 
-@dataclass(eq=False, kw_only=True)
-class FreeSet(NodeSet):
-    """A set of free nodes: `patches` are runs of free nodes here."""
-
-    free: Mask
-    """Which nodes are free, shape (N,)."""
-
-    @classmethod
-    def of(cls, free: Mask) -> "FreeSet":
-        """The set of the nodes that are free, shape (N,)."""
-        return cls(patches=Patches.of(free), free=free)
-
-
-class FreeNodes(Search[FreeSet]):
-    """The active set on one grid, by displacements; in float64."""
+class FreeNodes(Search):
+    """The active set on one grid, by displacements; in float64. Its set is that of the free nodes."""
 
     def __init__(
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
     ) -> None:
         """everywhere: K u of all nodes."""
         super().__init__(problem, config, green, everywhere)
-        self._displacement = np.zeros(problem.num_points)
-        self._set = FreeSet.of(self._displacement < problem.height)
+        self._displacement, self._free = np.zeros(problem.num_points), problem.height > 0
+        self._set = NodeSet(patches=Patches.of(self._free))
 
     def start(self, displacement: Array64) -> None:
         if (displacement < self.problem.height).all():  # K knows no load without contact
@@ -78,20 +64,15 @@ class FreeNodes(Search[FreeSet]):
     def _take(self, displacement: Array64, free: Mask) -> None:
         """Begin from a displacement [u] and the nodes that are free, both shape (N,)."""
         self._begin()
-        self._displacement, self._set = displacement, FreeSet.of(free)
+        self._displacement, self._free, self._set = displacement, free, NodeSet(patches=Patches.of(free))
         self._make_force()
         self._floor = OVER_FLOOR * rounding_floor(self.problem.stiffness, displacement, "float64")
 
     def _make_force(self) -> None:
         """The force of all nodes from their displacement, those in contact on the exact wall."""
-        held = ~self._set.free
+        held = ~self._free
         self._displacement[held] = self.problem.height[held]
         self._all.renew(slice(held.size), self._displacement)
-
-    @property
-    def _residual_force(self) -> Array64:
-        """r on the free nodes [p]."""
-        return 1 - self._all.field[self._set.nodes]
 
     def tighten(self) -> bool:
         self._make_force()  # the force carried along has lost touch with the displacement
@@ -100,7 +81,7 @@ class FreeNodes(Search[FreeSet]):
 
     def step(self) -> None:
         """One iteration on the free nodes; where they are solved well enough, update which nodes are free instead."""
-        force = self._residual_force
+        force = 1 - self._all.field[self._set.nodes]  # on the free nodes
         self.residual = math.sqrt(float(force @ force) / max(1, force.size))
         self._go_on(lambda: self._iterate(force))
 
@@ -123,24 +104,23 @@ class FreeNodes(Search[FreeSet]):
         height, nodes = self.problem.height, self._set.nodes
         penetrating = nodes[self._displacement[nodes] > height[nodes]]
         pull = self._all.field[: height.size] > 1 + SMALLEST * self.tolerance
-        pull &= ~self._set.free
+        pull &= ~self._free
         if self._fixed_set or not (penetrating.size or pull.any()):
             return False
-        free = self._set.free | pull
+        free = self._free | pull
         free[penetrating] = False
         if free.all():  # K knows no load without contact
             free[np.argmax(self._displacement - height)] = False
-        now, self._set = self._set, FreeSet.of(free)
+        now, self._set = self._set, NodeSet(patches=Patches.of(free))
         if not self._circles(now):
+            self._free = free
             self._make_force()
         return True
 
     @property
     def displacement(self) -> Array64:
-        """u, shape (N,) [u], in float64; contact nodes stand on the exact wall."""
         return np.minimum(self._displacement, self.problem.height)
 
     @property
     def contact_pressure(self) -> Array64:
-        """sigma, shape (N,) [p]."""
-        return np.where(self._set.free, 0.0, np.maximum(1 - self._all.field[: self.problem.num_points], 0.0))
+        return np.where(self._free, 0.0, np.maximum(1 - self._all.field[: self.problem.num_points], 0.0))

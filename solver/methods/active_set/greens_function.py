@@ -1,8 +1,4 @@
-"""Parts of the layer's response on one grid: inverse factors, sums over patches, and short convolutions.
-
-G is a Toeplitz matrix, so all patches of a contact share one inverse Cholesky factor, and sums of G over two patches
-are differences of its second running sum. Convolutions over a few nodes go by short transforms.
-"""
+"""Parts of the layer's response on one grid for `preconditioner`: inverse factors, sums over patches, convolutions."""
 
 import math
 from functools import cached_property
@@ -150,8 +146,6 @@ class Convolution:
         pair = self._pair
         pair.real[: values.size] = values
         pair.real[values.size :] = 0
-        pair.forward()
-        pair.modes *= symbol
-        pair.inverse()
+        pair.filter(symbol)
         self.count += 1
         return np.asarray(pair.real[: values.size] / self.length)

@@ -9,7 +9,6 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -58,13 +57,6 @@ class NodeSet:
         """Grid index of each of them, shape (nodes,)."""
         return self.patches.nodes
 
-    def iterate(self, residual: float) -> bool:
-        """Count an iteration that begins with this residual, over p; False if more of them are of no use."""
-        self.in_vain += 1
-        if residual < self.least_residual:
-            self.least_residual, self.in_vain = residual, 0
-        return self.in_vain <= _PATIENCE
-
     def begin_anew(self) -> None:
         """Conjugate gradients begin anew on this set, with another operator or solution."""
         self.last_product, self.least_residual, self.in_vain = 0.0, math.inf, 0
@@ -78,17 +70,14 @@ class NodeSet:
         return self.direction
 
 
-Nodes = TypeVar("Nodes", bound=NodeSet)
-
-
-class Search(Method, Generic[Nodes]):
+class Search(Method):
     """The active set on one grid, in either form."""
 
     iteration = 0
     residual = math.inf
     stopped = False
     patience = None  # the residual starts anew with every set
-    _set: Nodes
+    _set: NodeSet
 
     def __init__(
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
@@ -144,10 +133,12 @@ class Search(Method, Generic[Nodes]):
                 self.stopped = True
                 return
         self.iteration += 1
-        useful = now.iterate(self.residual)
+        now.in_vain += 1
+        if self.residual < now.least_residual:
+            now.least_residual, now.in_vain = self.residual, 0
         if not math.isfinite(self.residual):
             self.stopped = True
-        elif not useful or not iterate():
+        elif now.in_vain > _PATIENCE or not iterate():
             if self._operator_is_exact():
                 # this set is not solved any further; it may be the wrong one, unless it was examined before: now
                 # rounding would decide
@@ -163,7 +154,7 @@ class Search(Method, Generic[Nodes]):
     def _update_set(self) -> bool:
         """Take the next set; False if no node wants to join or leave."""
 
-    def _circles(self, before: Nodes) -> bool:
+    def _circles(self, before: NodeSet) -> bool:
         """Whether the new set comes back although the search is cautious, which ends it with the one before."""
         key = hash((self._set.patches.first.tobytes(), self._set.patches.last.tobytes()))
         if key in self._keys and self._cautious:

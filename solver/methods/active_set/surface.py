@@ -91,8 +91,7 @@ class Surface:
         self._all.renew(now.nodes, now.pressure)
         self.drift = 0.0
         nearby = self.split and surround(self.split, now.nodes, self._problem.height, self._all.field)
-        self._at = nearby or self._all
-        now.places = self._at.places(now.nodes)
+        self._at, now.places = nearby or self._all, nearby.places(now.nodes) if nearby else now.nodes
 
     def follow(self, before: ContactSet, now: ContactSet, changed: bool) -> None:
         """Turn to another set. changed: whether its pressure differs from that before, because nodes were dropped."""
