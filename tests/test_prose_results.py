@@ -106,7 +106,7 @@ def errors_of_the_hertz_study():
     yield f"{FITTED.of_heights_at_gaps:g} of the fourth over the second difference of the heights"
     yield f"and {FITTED.in_common:g} of the sum"
     yield f"an end is off by {FITTED.of_layer:g}$\\,m^3/d^4$ more, or by {FITTED.of_layer:g}$\\,k/d^2$ if"
-    yield f"$\\alpha = {errors._LEFT:g}$ of the change $c$"
+    yield f"For both, $\\alpha = {errors._LEFT:g}$"
     yield f"$b = {FITTED.of_nodes_in_peak:g}$ in the peak pressure and {FITTED.of_nodes_in_approach:g} in the approach"
     assert errors.FACTOR**2 == 16
     yield f"contacts of up to {2 * small_models._LONG_ASPERITY:.0f} thicknesses: milliseconds"

@@ -287,7 +287,7 @@ def test_missing_heights_are_filled_or_left_out_and_told(tmp_path, cell):
         (
             "z [nm]\n" + "nan\n" * 2 + rows(order="z"),
             {"missing": "drop", "scan_length": 1.0},
-            "2 of 202 in all; .* drop where positions",
+            "2 of 202 in all; .* missing drop if the file has positions",
         ),
         (
             "16\n" + rows(order="z", keep=slice(16)),

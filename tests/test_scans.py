@@ -295,7 +295,7 @@ ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
         (
             text("x z\n" + ROWS + "41 nan\n"),
             {},
-            "line 42: a value is missing, and 1 of 41 in all; allowed: all values, or missing, with interpolate",
+            "line 42: a value is missing, and 1 of 41 in all; allowed: no missing values, or missing interpolate",
         ),
         (text(ROWS + "inf 3\n"), {}, "line 41: x is text or inf in 'inf 3'; allowed: finite numbers up to 1e.100"),
         (text("40 -1e101\n" + ROWS[:-5]), {}, r"line 1: height is -1e\+101 in '40 -1e101'; .* \(1 of 40 are not\)"),

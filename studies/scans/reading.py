@@ -188,7 +188,7 @@ def _complete(found: Table, options: Options) -> tuple[Table, list[str], list[st
     gone = np.isnan(values).any(axis=1)
     if gone.any() and (how == "refuse" or (how == "drop" and alone)):
         seen = f"{found.row(int(gone.argmax()))}: a value is missing, and {int(gone.sum())} of {z.size} in all"
-        allowed = "all values, or missing, with interpolate, or drop where positions tell the gaps"
+        allowed = "no missing values, or missing interpolate, or missing drop if the file has positions"
         raise ValueError(f"{seen}; allowed: {allowed}")
     there = np.flatnonzero(~np.isnan(z))
     if there.size < _FEWEST:

@@ -91,7 +91,7 @@ def read(name: str, text: str, own: Own | None, allowed: str = "a number") -> fl
         hint = f", unless --{own.of}-unit names one" * (own.unit == SCENE or own.of == "pressure")
         raise ValueError(f"{name} is {text!r}; allowed: a number alone, the {own.of}s of this scene have no unit{hint}")
     if not (own.said or known or value == 0 or not math.isfinite(value)):
-        like = f"{text}{own.unit}" if own.of == "length" else "0.1MPa, as another one has it"
+        like = f"{text}{own.unit}" if own.of == "length" else "0.1MPa, because another one has a unit"
         hint = f"with its unit, like {like}, or --{own.of}-unit, that of all {own.of}s of this scene"
         raise ValueError(f"{name} is {text!r}; allowed: {hint}")
     found = _converted(value, sizes[known], sizes[own.unit]) if known else value
