@@ -49,6 +49,11 @@ _TOO_LONG = 2**22
 """Values beyond which a pair is not kept."""
 
 
+def library() -> str:
+    """The library that plans, with its version."""
+    return str(pyfftw.fftw_version)
+
+
 @locks.once
 def _await_planner() -> None:
     """Raise `ValueError` if a thread that a fork has left behind has FFTW's planner: one of the user's own."""

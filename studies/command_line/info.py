@@ -38,7 +38,7 @@ def command(_: Options) -> int:
     table = Whole(title="linecontact", show_header=False)
     rows = {
         **provenance.provenance(),
-        "FFTW": str(plain.pyfftw.fftw_version),
+        "FFTW": plain.library(),
         "threads": f"transforms 1 by default (--threads), kernels 1; {usable_cores()} cores usable",
         "instruction sets": kernels.instructions() or "unknown",
         "kernel flags": kernels.flags(),

@@ -35,7 +35,7 @@ def identity() -> dict[str, str]:
 
     kernels.load()
     libraries = {name: version(name) for name in ("warp-lang", "numpy", "pyfftw")}
-    libraries |= {"FFTW": str(plain.pyfftw.fftw_version), "Python": platform.python_version()}
+    libraries |= {"FFTW": plain.library(), "Python": platform.python_version()}
     found = {
         "source": source_hash(),
         "flags": kernels.flags(),
