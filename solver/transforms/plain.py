@@ -38,7 +38,9 @@ def _hidden(*names: str) -> Iterator[None]:
 with _hidden("scipy", "dask"):
     import pyfftw
 
-__all__ = ["IN_PLACE", "Pair", "Plan", "irfft", "pair", "pyfftw", "rfft"]
+__all__ = ["IN_PLACE", "Pair", "Plan", "irfft", "library", "next_fast_len", "pair", "pyfftw", "rfft"]
+
+next_fast_len = pyfftw.next_fast_len
 
 _PATIENCE = 20.0  # s, for a plan that takes microseconds
 _PLANNED_FROM = 2**12

@@ -11,7 +11,7 @@ from linecontact.solver import ElasticLayer, MeasuredIndenter, Scene, checks
 from linecontact.solver.display import counted
 from linecontact.solver.grid.errors import DEFAULT_QUANTITY, check_accuracy
 from linecontact.solver.scene import MAX_POINTS, MIN_POINTS
-from linecontact.solver.transforms.plain import pyfftw
+from linecontact.solver.transforms.plain import next_fast_len
 from linecontact.solver.units import SCENE, named
 
 from ..files.writing import as_path
@@ -237,7 +237,7 @@ def _choose_grid(options: Options, values: int, in_period: int) -> int:
     """The number of grid points. Raises `ValueError`."""
     most, n = MAX_REFINEMENT * values, options.num_points
     if n is None and options.accuracy is not None:
-        n = next(n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and pyfftw.next_fast_len(n) == n)
+        n = next(n for n in range(min(most, MAX_POINTS), 0, -1) if n % 2 == 0 and next_fast_len(n) == n)
     elif n is None:
         n = 2 ** math.ceil(math.log2(min(_POINTS_PER_VALUE * in_period, max(_ENOUGH, in_period))))
     n = checks.integer("num_points", n, f"an integer from {MIN_POINTS} to {MAX_POINTS}", MIN_POINTS, MAX_POINTS)
