@@ -224,6 +224,6 @@ def _reachable(problem: Problem, tolerance: float | None) -> float:
             f"fewer points, {own}or precision mixed or float64"
         )
     if tolerance is None:
-        return max(COARSE_TOLERANCE, _OVER_FLOOR * floor)
+        return max(math.sqrt(DEFAULT_TOLERANCE), _OVER_FLOOR * floor)  # of half of the digits
     least = f"at least {display.rounded_up(floor)}, which is what rounding in float32 leaves of the residual"
     raise checks.refusal("tolerance", tolerance, f"{least}, or precision mixed or float64")

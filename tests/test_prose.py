@@ -114,7 +114,7 @@ def limits_of_precision():
     yield f"some {floor:.0e} for the parabola on the half-space at 2^18 points"
     yield f"The default tolerance, {grids.DEFAULT_TOLERANCE:.0e}, is raised".replace("e-0", "e-")
     yield "the larger of 1e-4 and four times the prediction"
-    assert (grids.COARSE_TOLERANCE, _OVER_FLOOR) == (1e-4, 4)
+    assert (math.sqrt(grids.DEFAULT_TOLERANCE), _OVER_FLOOR) == (1e-4, 4)
 
 
 def stiffness_under_a_sine_wave():

@@ -18,8 +18,8 @@ from .run import Run
 COARSEST = 512
 """Points of the coarsest grid, at least."""
 
-DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-4
-"""Equilibrium residual over p to stop at in float64 and mixed precision; on coarse grids or in float32, at least."""
+DEFAULT_TOLERANCE, COARSE_TOLERANCE = 1e-8, 1e-5
+"""Equilibrium residual over p to stop at in float64 and mixed precision; on coarse grids, at least."""
 
 
 def solve_on_grid(
