@@ -41,6 +41,7 @@ _IMPORTED = {
 }
 """Packages whose imports end before a fork."""
 
+_taken = threading.local()
 _ALL = (DRAWING, IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING)
 
 
@@ -70,17 +71,19 @@ def once(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
 
 
 def _take() -> None:
-    for lock in _ALL:
+    _taken.locks = []
+    for lock in _ALL:  # Ctrl-C may come while one is waited for
         lock.acquire()
+        _taken.locks.append(lock)
     under_way = getattr(_frozen_importlib, "_module_locks", {})
     for name in list(under_way):
         if name.partition(".")[0] in _IMPORTED:
-            with suppress(ImportError):  # another thread's import: a child would wait for ever for its end
+            with suppress(Exception):  # another thread's import: a child would wait for ever for its end
                 importlib.import_module(name)
 
 
 def _give_back() -> None:
-    for lock in reversed(_ALL):
+    for lock in reversed(_taken.locks):
         lock.release()
 
 

@@ -66,7 +66,7 @@ def array(name: str, value: object, allowed: str, least: int, most: float = math
         known = given.dtype.kind in "fiu" or (given.dtype.kind == "O" and all(map(_is_real, given.flat)))
         found = np.array(given, dtype=np.float64) if known and not np.ma.is_masked(value) else None
     if found is None:
-        raise ValueError(f"{name} is masked or not an array of real numbers; allowed: {allowed}")
+        raise refusal(name, value, allowed)
     if found.ndim != 1 or not least <= found.size <= most:
         raise ValueError(f"{name} has shape {found.shape}; allowed: {allowed}")
     return found

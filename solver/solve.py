@@ -168,7 +168,8 @@ def solve_to_tolerance(run: Run, nested: bool | None, tolerance: float | None, i
     def begin(num_points: int) -> Method:
         if num_points < scene.num_points:
             coarse = Problem.from_scene(scene, num_points)
-            return run.begin(coarse, max(COARSE_TOLERANCE, 0.0 if scene.precision == "float32" else run.tolerance))
+            aim = math.sqrt(DEFAULT_TOLERANCE) if scene.precision == "float32" else run.tolerance
+            return run.begin(coarse, max(COARSE_TOLERANCE, aim))
         finest = run.begin(problem, run.tolerance)
         if start is not None:
             finest.start(start)

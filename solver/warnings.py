@@ -88,8 +88,10 @@ def find_warnings(
     yield from _of_estimates(found, patches)
     yield from _of_elasticity(found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:
-        text = f"{area:.4f} of the period is in contact; above {NEARLY_FULL} there is hardly anything"
-        text += " but finer grids to compare areas and their estimated errors with"
+        text = (
+            f"{area:.4f} of the period is in contact; above {NEARLY_FULL}, areas and their estimated errors have been"
+        )
+        text += " compared with finer grids only"
         if found.unseen_gap_area > 1 - area:
             text += "; gaps may be left between the nodes, and with them the contact stiffness is less"
         yield SolutionWarning(WarningKind.FULL, text)

@@ -151,3 +151,16 @@ def test_bad_numbers_are_named(make, said):
 
 def test_a_thin_coating_of_the_same_material_is_no_reason_to_warn():
     assert not solve(Scene(CoatedHalfSpace(1e-4, 1.0), num_points=2**12)).warnings
+
+
+@pytest.mark.parametrize(
+    ("layer", "ratio"),
+    [
+        (lambda: Layer(0.1, None), "poisson_ratio"),
+        (lambda: CoatedHalfSpace(0.1, 2.0, None), "poisson_ratio"),
+        (lambda: CoatedHalfSpace(0.1, 2.0, base_poisson_ratio=None), "base_poisson_ratio"),
+    ],
+)
+def test_only_sliding_layers_do_without_a_poisson_ratio(layer, ratio):
+    with pytest.raises(ValueError, match=f"^{ratio} is None; allowed: -1 < nu <= 0.5"):
+        layer()

@@ -58,9 +58,10 @@ def check_modulus(layer: Any, prefix: str = "") -> None:
     """
     modulus, young, ratio = f"{prefix or 'contact_'}modulus", f"{prefix}youngs_modulus", f"{prefix}poisson_ratio"
     known, given, nu = (getattr(layer, name) for name in (modulus, young, ratio))
-    if nu is not None:
+    fields = type(layer).__dataclass_fields__
+    if nu is not None or fields[ratio].default is not None:  # some layers do without
         nu = checks.real(ratio, nu, "-1 < nu <= 0.5", -1, 0.5)
-    missing = known is type(layer).__dataclass_fields__[modulus].default
+    missing = known is fields[modulus].default
     both = "allowed: one of the two, E* = E/(1-nu^2)"
     if given is None and missing and math.isnan(known):
         raise ValueError(f"{modulus} (or {young}) is missing; {both}")

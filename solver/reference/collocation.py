@@ -54,7 +54,8 @@ def solve_layer(
 def solve_to_accuracy(
     layer: ElasticLayer, load: float, exponent: float, radius: float, accuracy: float, of: str = "contact_area"
 ) -> tuple[Asperity, dict[str, float]]:
-    """As `solve_layer`, and the estimated relative errors of `MEASURED`, that of `of` at most `accuracy`.
+    """As `solve_layer`, without its look for tension, and the estimated relative errors of `MEASURED`, that of `of` at
+    most `accuracy`.
 
     Raises `ValueError` where `MOST_NODES` are too few.
     """

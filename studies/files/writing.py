@@ -33,9 +33,10 @@ class DamagedError(StoreError):
 
 def as_path(name: str, path: object) -> Path:
     """A path from text or a path; raises `StoreError`, which names the parameter, for anything else."""
-    if not isinstance(path, str | os.PathLike) or not str(path) or "\0" in str(path):
+    text = os.fspath(path) if isinstance(path, str | os.PathLike) else ""
+    if not isinstance(text, str) or not text or "\0" in text:
         raise StoreError(str(checks.refusal(name, path, "text or a path, neither empty nor with a null character")))
-    return Path(path)
+    return Path(text)
 
 
 def make_folder(folder: Path) -> None:

@@ -51,7 +51,7 @@ def filled(values: Array64, how: Missing) -> tuple[Array64, str]:
 
 
 def doubtful(z: Array64, despiked: bool) -> list[tuple[Indices, str]]:
-    """Indices of heights, shape (number of values,) [any unit], that may be none, each with the reason in words."""
+    """Indices of heights, shape (values,) [any unit], that may be none, with reasons; despiked: --despike is given."""
     numbers, reason = _sentinels(z), "may stand for missing values (--invalid) or be dust (--despike)"
     found = [(np.flatnonzero(z == number), reason) for number in numbers]
     there = np.flatnonzero(~np.isin(z, numbers))

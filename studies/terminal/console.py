@@ -229,17 +229,17 @@ def _waiting_told() -> Iterator[None]:
         yield
         return
 
-    def interrupt(number: int, frame: Any) -> None:
-        signal.signal(number, signal.default_int_handler)
+    def interrupt(_: int, frame: Any) -> None:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGALRM, lambda *_: errors.print(_WAIT))
         signal.setitimer(signal.ITIMER_REAL, _SOON)
-        signal.default_int_handler(number, frame)
+        signal.default_int_handler(signal.SIGINT, frame)
 
     def lost(told: Any) -> None:
         if not issubclass(told.exc_type, KeyboardInterrupt):
             hook(told)
             return
-        signal.signal(signal.SIGALRM, signal.default_int_handler)  # Ctrl-C came in a place that no error leaves
+        signal.signal(signal.SIGALRM, interrupt)  # Ctrl-C came in a place that no error leaves
         signal.setitimer(signal.ITIMER_REAL, _AGAIN)
 
     alarm, hook = signal.getsignal(signal.SIGALRM), sys.unraisablehook
