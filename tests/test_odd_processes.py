@@ -7,11 +7,13 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import linecontact
 import numpy as np
 import pytest
+from linecontact import locks
 from linecontact.kernels import derived
 from linecontact.solver import MeasuredIndenter
 from linecontact.studies.command_line import main
@@ -679,3 +681,39 @@ def test_an_interruption_where_no_error_can_leave_is_made_again():
     """Python ignores an error in `__del__` and in callbacks of weak references."""
     said = python(LOST)
     assert (said.returncode, said.stderr) == (130, "linecontact: interrupted\n")
+
+
+@posix
+def test_a_fork_that_an_interruption_cuts_off_gives_its_locks_back():
+    """It waits for another thread's lock when Ctrl-C comes."""
+    held, free = threading.Event(), threading.Event()
+
+    def hold():
+        with locks.COMPILING:
+            held.set()
+            free.wait(60)
+
+    other = threading.Thread(target=hold)
+    other.start()
+    held.wait(60)
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with pytest.raises(KeyboardInterrupt):
+            locks._take()
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    locks._give_back()
+    free.set()
+    other.join()
+    taken = []
+
+    def take():
+        for lock in locks._ALL:
+            taken.append(lock.acquire(timeout=5))
+            lock.release()
+
+    another = threading.Thread(target=take)
+    another.start()
+    another.join()
+    assert taken == [True] * len(locks._ALL)
