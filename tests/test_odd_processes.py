@@ -666,6 +666,8 @@ class Odd:
     def __del__(self):
         signal.raise_signal(signal.SIGINT)
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a script's background ignores it
+
 def command():
     odd = Odd()
     del odd
