@@ -88,10 +88,8 @@ def find_warnings(
     yield from _of_estimates(found, patches)
     yield from _of_elasticity(found, _strain(scene, found, patches, displacement))
     if area > NEARLY_FULL:
-        text = (
-            f"{area:.4f} of the period is in contact; above {NEARLY_FULL}, areas and their estimated errors have been"
-        )
-        text += " compared with finer grids only"
+        text = f"{area:.4f} of the period is in contact; above {NEARLY_FULL}, areas and their estimated errors"
+        text += " have been compared with finer grids only"
         if found.unseen_gap_area > 1 - area:
             text += "; gaps may be left between the nodes, and with them the contact stiffness is less"
         yield SolutionWarning(WarningKind.FULL, text)
