@@ -177,7 +177,7 @@ def _is_compiled(module: ModuleType, device: str) -> bool:
 def start_warp() -> None:
     """Import and initialise Warp. Raises `ValueError` if its kernel cache cannot be used."""
     with undivided():  # a module that Ctrl-C has cut off cannot be imported again
-        import warp as wp  # takes as long as everything else together, and often is not needed
+        import warp as wp  # takes as long as everything else together
 
     wp.config.log_level = wp.LOG_WARNING
     try:

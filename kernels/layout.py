@@ -51,6 +51,21 @@ CLOSE = 4e-4
 """Least half-width to begin with [grid spacings], and length of a step of Newton's method that needs no other, over the
 half-width or the spacing, the smaller one."""
 
+SIZE, GAPS, _, KNOWN, PRESSED = range(5)
+"""First rows of what `pressed_ends` reads of patches: their nodes; those of the gaps to their left and right; 1 where
+the half-space's edge may be known, else 0; the pressures of the last three nodes of left and of right ends, last node
+first."""
+OFFSET, SPREAD, BEFORE, ALONE = range(0, 8, 2)
+"""First rows of its results, for left and right ends: how far the edge lies inside the last node [grid spacings]; how
+little the pressures look like an edge; that of the turn before; the pressures without the effect of other ends."""
+SHIFT, DELTA, POWER, ROWS = range(4)
+FAR_FIELDS, TABLE = ROWS + 9, ROWS + 18
+"""First places of an edge curve's numbers, see `EdgeCurve`."""
+TURNS = 3
+"""Until ends agree with pressures, or with the modulus that a layer has for their width."""
+ALIKE = 0.15
+"""Grid spacings by which two estimates of an edge may differ to be of an edge at all."""
+
 STEP = 0
 """The active set's only scalar, in an array of its own: length of a step along a direction."""
 

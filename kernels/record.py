@@ -79,15 +79,16 @@ def record_launches(launches: Sequence[Launch], times: int = 1) -> Callable[[], 
     return functools.partial(wp.capture_launch, capture.graph)
 
 
-def launch(name: str, threads: int, inputs: Sequence[Array], outputs: Sequence[Array]) -> None:
-    """One launch of a kernel, not recorded, on one-dimensional, contiguous arrays of float64. Raises `ValueError` if
-    Warp's kernel cache cannot be used.
+def launch(name: str, threads: int, inputs: Sequence[Array | bool], outputs: Sequence[Array]) -> None:
+    """One launch of a kernel, not recorded, on one-dimensional, contiguous arrays of float64, and scalars. Raises
+    `ValueError` if Warp's kernel cache cannot be used.
     """
     kernel = load()[name]
     import warp as wp
 
     with RECORDING:  # else another thread would record it
-        wp.launch(kernel, threads, inputs=[*map(share, inputs)], outputs=[*map(share, outputs)], device="cpu")
+        given = [one if isinstance(one, bool) else share(one) for one in inputs]
+        wp.launch(kernel, threads, inputs=given, outputs=[*map(share, outputs)], device="cpu")
 
 
 def share(array: Array) -> Any:

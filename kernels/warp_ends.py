@@ -1,4 +1,5 @@
-"""The Warp kernel that finds where narrow patches and gaps end, a thread for each; derived in `solver/grid/narrow.py`.
+"""The Warp kernels that find where patches and gaps end: by the last pressures of all patches, in one thread; by the
+loads of narrow ones, and for gaps, in a thread for each. Derived in `solver/grid/edges.py` and `narrow.py`.
 
 Float64, in grid spacings.
 """
@@ -100,3 +101,133 @@ def narrow_ends(profile: Doubles, powers: Doubles, runs: Doubles, ends: Doubles)
     ends[MIDDLE * count + run] = m
     ends[HALF_WIDTH * count + run] = a
     ends[SOLVED * count + run] = wp.where(good, f64(1.0), f64(0.0))
+
+
+SIZE, GAPS, KNOWN, PRESSED = (wp.constant(one) for one in (layout.SIZE, layout.GAPS, layout.KNOWN, layout.PRESSED))
+OFFSET, SPREAD, BEFORE, ALONE = (
+    wp.constant(one) for one in (layout.OFFSET, layout.SPREAD, layout.BEFORE, layout.ALONE)
+)
+SHIFT, DELTA, POWER = (wp.constant(one) for one in (layout.SHIFT, layout.DELTA, layout.POWER))
+ROWS, FAR_FIELDS, TABLE = (wp.constant(one) for one in (layout.ROWS, layout.FAR_FIELDS, layout.TABLE))
+TURNS, ALIKE = wp.constant(layout.TURNS), wp.constant(f64(layout.ALIKE))
+NARROWEST = wp.constant(f64(0.5))
+"""Gap between two patches that is believed [grid spacings]."""
+NO_PRESSURE, LEAST_FACTOR = wp.constant(f64(2.0**-26)), wp.constant(f64(1e-3))
+"""Of an edge at its last node, over that a spacing away; least edge function of a patch's other end."""
+
+
+@wp.func
+def edge_offset(curve: Doubles, last: f64, second: f64, third: f64):
+    """theta from the last three pressures, and by how far it and that of the last two differ, before their bounds."""
+    ratio = last / second
+    two = curve[TABLE] - ratio * curve[TABLE + 1]
+    two = two / (two + ratio * curve[TABLE]) - curve[SHIFT]
+    if not wp.isfinite(two):
+        two = f64(0.5) - curve[SHIFT]
+    least, most = -curve[SHIFT], f64(1.0) - curve[SHIFT]
+    bounded = wp.clamp(two, least, most)
+    low = curve[ROWS] * last + curve[ROWS + 1] * second + curve[ROWS + 2] * third
+    middle = curve[ROWS + 3] * last + curve[ROWS + 4] * second + curve[ROWS + 5] * third
+    high = curve[ROWS + 6] * last + curve[ROWS + 7] * second + curve[ROWS + 8] * third
+    theta = f64(-2.0) * low / middle
+    for _ in range(TURNS):  # -theta middle/2 - 3/8 theta^2 high = low
+        theta = f64(-2.0) * low / (middle + f64(0.75) * theta * high)
+    theta += curve[DELTA]
+    differ = f64(1.0)
+    if wp.isfinite(theta):
+        differ = wp.abs(theta - bounded)
+    else:
+        theta = bounded
+    theta = wp.clamp(theta, least, most)
+    if wp.abs(theta - bounded) >= ALIKE:  # the patch is too small for a third family
+        theta = bounded
+    return theta, wp.max(wp.abs(two - bounded), differ)
+
+
+@wp.func
+def in_row(curve: Doubles, theta: f64, width: f64, gap: f64, node: int):
+    """The factor that a pressure has from all other ends, in a row of such patches and gaps on the half-space."""
+    theta -= curve[DELTA]
+    high, middle = curve[FAR_FIELDS + node], curve[FAR_FIELDS + 3 + node]
+    low = curve[FAR_FIELDS + 6 + node]
+    edge = middle - theta / f64(2.0) * low
+    away = f64(0.0)  # from the edge, as the grid has it
+    if edge > NO_PRESSURE:
+        away = (high - f64(1.5) * theta * middle + f64(0.375) * theta * theta * low) / edge
+    away = wp.min(away, width)
+    wave = f64(wp.pi) / (width + gap)
+    beyond = wp.sin(wave * wp.max(width - away, NARROWEST))
+    if away != f64(0.0):
+        beyond *= wp.sin(wave * away) / (wave * away)
+    return wp.sin(wave * (gap / f64(2.0) + away)) * wp.sqrt(beyond)
+
+
+@wp.func
+def at_node(curve: Doubles, j: int):
+    """S_j, see `EdgeCurve.at`."""
+    last = curve.shape[0] - TABLE - 1
+    value = f64(0.0)
+    if j > last:
+        value = curve[TABLE + last] * wp.pow((f64(j) + curve[SHIFT]) / (f64(last) + curve[SHIFT]), curve[POWER])
+    elif j >= 0:
+        value = curve[TABLE + j]
+    return value
+
+
+@wp.func
+def beside(patches: Doubles, ends: Doubles, row: int, count: int, patch: int, side: int):
+    """Width of a patch, not below two, and of the gap beside one of its ends. row: of the ends' offsets."""
+    left, right = row * count, (row + 1) * count
+    width = wp.max(patches[SIZE * count + patch] - f64(1.0) - ends[left + patch] - ends[right + patch], f64(2.0))
+    facing = ends[left + patch] + ends[right + (patch + count - 1) % count]
+    if side == 1:
+        facing = ends[right + patch] + ends[left + (patch + 1) % count]
+    return width, wp.max(patches[(GAPS + side) * count + patch] + f64(1.0) + facing, NARROWEST)
+
+
+@wp.kernel
+def pressed_ends(curve: Doubles, patches: Doubles, rows: bool, ends: Doubles):
+    """Offsets of all ends, by turns, in which each end takes the others for known.
+
+    curve, patches, ends: see `layout`; rows: whether other ends have the effect of a row of patches, whose given load
+    then moves ends that are known and look like edges; else there is that of the patch's other end alone.
+    """
+    count = patches.shape[0] // (PRESSED + 6) + wp.tid()  # 0; else strides are not known
+    for end in range(2 * count):
+        ends[OFFSET * count + end] = f64(0.5) - curve[SHIFT]
+    for _turn in range(TURNS):
+        for end in range(2 * count):
+            ends[BEFORE * count + end] = ends[OFFSET * count + end]
+        for end in range(2 * count):
+            side, patch = end // count, end % count
+            width, gap = beside(patches, ends, BEFORE, count, patch, side)
+            beta = ends[(BEFORE + 1 - side) * count + patch] + curve[SHIFT]  # of the patch's other end
+            for node in range(3):
+                if rows:
+                    factor = in_row(curve, ends[BEFORE * count + end], width, gap, node)
+                else:
+                    j = int(patches[SIZE * count + patch]) - 1 - node
+                    factor = (f64(1.0) - beta) * at_node(curve, j) + beta * at_node(curve, j - 1)
+                    factor = wp.max(factor, LEAST_FACTOR)
+                row = 3 * side + node
+                ends[(ALONE + row) * count + patch] = patches[(PRESSED + row) * count + patch] / factor
+            row = (ALONE + 3 * side) * count + patch
+            theta, spread = edge_offset(curve, ends[row], ends[row + count], ends[row + 2 * count])
+            ends[OFFSET * count + end] = theta
+            ends[SPREAD * count + end] = spread
+    if rows:
+        second_order, known = f64(0.0), f64(0.0)
+        for end in range(2 * count):
+            ends[BEFORE * count + end] = ends[OFFSET * count + end]
+            if ends[SPREAD * count + end] < ALIKE and patches[KNOWN * count + end % count] > f64(0.0):
+                beta = ends[OFFSET * count + end] + curve[SHIFT]
+                second_order += beta * beta - beta + f64(1.0 / 6.0)
+                known += f64(1.0)
+        for end in range(2 * count):
+            if ends[SPREAD * count + end] < ALIKE and patches[KNOWN * count + end % count] > f64(0.0):
+                width, gap = beside(patches, ends, BEFORE, count, end % count, end // count)
+                tangent = wp.tan(f64(wp.pi / 2.0) * width / (width + gap))
+                mean = second_order / (f64(8.0) * known)
+                ends[OFFSET * count + end] += (
+                    f64(wp.pi) / (width + gap) * (f64(3.0) / tangent + tangent) / f64(2.0) * mean
+                )

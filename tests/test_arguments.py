@@ -267,12 +267,12 @@ def test_what_needs_nothing_imports_nothing_that_takes_time(words, status):
     assert result.stdout.splitlines()[-1] == f"{status} []", result.stderr
 
 
-def test_a_solve_needs_neither_scipy_nor_matplotlib_nor_warp():
+def test_a_solve_needs_neither_scipy_nor_matplotlib():
     program = (
         "import sys\n"
         "from linecontact.studies.command_line.main import main\n"
         "status = main(['solve', '--accuracy', '1e-4', '--json'])\n"
-        "print(status, [name for name in ('scipy', 'dask', 'matplotlib', 'warp') if name in sys.modules])"
+        "print(status, [name for name in ('scipy', 'dask', 'matplotlib') if name in sys.modules])"
     )
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
     assert result.stdout.splitlines()[-1] == "0 []", result.stderr

@@ -1,13 +1,14 @@
 """Edges of patches that follow each other: H. M. Westergaard's row, from wide gaps to gaps of one grid spacing."""
 
 import math
+from functools import partial
 
+import edge_formulas
 import numpy as np
 import pytest
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, Scene, solve
-from linecontact.solver.grid import edges
-from linecontact.solver.grid.edge_curves import edge_distance, half_space_curve
-from linecontact.solver.grid.edges import find_edges
+from linecontact.solver.grid.edge_curves import half_space_curve
+from linecontact.solver.grid.edges import find_edges, pressed_ends
 from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from linecontact.solver.grid.patches import Patches
 
@@ -49,10 +50,8 @@ def test_ends_of_a_row_between_the_nodes(least, off, period):
 @pytest.mark.parametrize(
     ("rule", "beside_one", "beside_ten"), [("grid", 0.012, 0.002), ("distance", 0.06, 0.02), ("alone", 0.5, 0.2)]
 )
-def test_what_other_rules_leave_beside_narrow_gaps(rule, beside_one, beside_ten, monkeypatch):
+def test_what_other_rules_leave_beside_narrow_gaps(rule, beside_one, beside_ten):
     """The distance as the grid has it, the distance itself, and each end by itself: largest error of an end."""
-    if rule == "distance":
-        monkeypatch.setattr(edges, "edge_distance", lambda curve, theta: np.arange(3) - theta[..., None])
     curve, period = half_space_curve(), 128
     for least, most in ((1.05, beside_one), (10.0, beside_ten)):
         wrong = []
@@ -62,7 +61,13 @@ def test_what_other_rules_leave_beside_narrow_gaps(rule, beside_one, beside_ten,
             pressure = solution.contact_pressure[patches.nodes]
             width = on_half_space(patches, pressure).width[0]
             if rule == "alone":
-                width = patches.size[0] - 1 - edges.edge_offset(curve, edges._ends(patches, pressure)[:, 0])[0].sum()
+                theta = edge_formulas.edge_offset(curve, edge_formulas.ends(patches, pressure))[0]
+                width = patches.size[0] - 1 - theta.sum()
+            if rule == "distance":
+                others = partial(edge_formulas.in_row, distance=lambda curve, theta: np.arange(3) - theta[..., None])
+                theta, _ = edge_formulas.offsets(curve, patches, pressure, others)
+                theta = theta + edge_formulas.by_load(curve, patches, theta, np.ones((2, 1), dtype=bool))
+                width = patches.size[0] - 1 - theta.sum()
             wrong.append(abs(width - (period - gap)) / 2)
         assert max(wrong) == pytest.approx(most, rel=0.5)
 
@@ -91,15 +96,15 @@ def test_what_a_given_load_leaves_of_the_second_order():
     beta = theta + curve.shift
     e, everywhere = float(np.mean(beta**2 - beta + 1 / 6)) / 8, np.ones((2, 2), dtype=bool)
     wide = Patches(2**20, np.array([1000, 400000]), np.array([1299, 400399]))
-    left = edges._by_load(wide, theta, everywhere)
+    left = edge_formulas.by_load(curve, wide, theta, everywhere)
     np.testing.assert_allclose(left, np.broadcast_to(3 * e / (wide.size - 1 - theta.sum(axis=0)), (2, 2)), rtol=2e-3)
     narrow = Patches(2**20, np.array([0, 2**19]), np.array([2**19 - 11, 2**20 - 11]))
     gaps = np.array([[11 + theta[0, 0] + theta[1, 1], 11 + theta[0, 1] + theta[1, 0]]] * 2)
     gaps[1] = gaps[1, ::-1]
-    np.testing.assert_allclose(edges._by_load(narrow, theta, everywhere), e / gaps, rtol=1e-3)
+    np.testing.assert_allclose(edge_formulas.by_load(curve, narrow, theta, everywhere), e / gaps, rtol=1e-3)
     known = np.array([[True, False], [True, True]])  # the mean is over these, and the others stay
     of_known = np.mean((beta**2 - beta + 1 / 6)[known]) / 8
-    some = edges._by_load(narrow, theta, known)
+    some = edge_formulas.by_load(curve, narrow, theta, known)
     np.testing.assert_allclose(some, np.where(known, of_known / gaps, 0.0), rtol=1e-3)
 
 
@@ -107,7 +112,7 @@ def test_distance_of_the_last_nodes_as_the_grid_has_it():
     """Nearly the distance far away; 3/4 (1 - beta) at the last node, whatever the far field."""
     curve = half_space_curve()
     beta = np.array([0.02, 0.3, 0.7, 1.0])
-    distance = edge_distance(curve, beta - curve.shift)
+    distance = edge_formulas.edge_distance(curve, beta - curve.shift)
     np.testing.assert_allclose(distance[:, 0], 0.75 * (1 - beta), atol=1e-9)
     np.testing.assert_allclose(distance[:, 2], 2 - (beta - curve.shift), atol=0.03)
     assert (np.diff(distance, axis=1) > 0.7).all()
@@ -143,3 +148,28 @@ def test_wide_patches_are_well_known(size):
     pressure = np.sqrt((x + 0.3) * (size - 0.6 - x))
     found = on_half_space(Patches(4 * size, np.array([9]), np.array([size + 8])), pressure)
     assert 0 < found.end_errors.sum() < 0.02
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_kernel_has_the_formulas(seed):
+    """On patches of every size in every order, whose pressures look like edges or do not, under any curve."""
+    rng = np.random.default_rng(seed)
+    n = 4096
+    contact = np.repeat(rng.random(n // 8) < 0.5, rng.integers(1, 9, n // 8))[: n // 2]
+    patches = Patches.of(np.append(contact, np.zeros(n - contact.size, dtype=bool)))
+    from_ends = np.minimum(patches.step + rng.random(), patches.size[patches.label] - patches.step - rng.random())
+    pressure = np.sqrt(np.maximum(from_ends, 0)) * (1 + 0.1 * (seed % 3) * rng.random(patches.nodes.size))
+    curves = half_space_curve(), layer_on_grid(Layer(3 / n, 0.5), n, 1.0).edge_curve
+    for curve in curves:
+        theta, spread, _ = pressed_ends(curve, patches, pressure)
+        expected, off = edge_formulas.offsets(curve, patches, pressure, edge_formulas.in_patch)
+        np.testing.assert_allclose(theta, expected, atol=1e-9)
+        np.testing.assert_allclose(spread, off, rtol=1e-6, atol=1e-9)
+    told = patches.size > 2
+    theta, spread, _ = pressed_ends(curves[0], patches, pressure, told)
+    expected, off = edge_formulas.offsets(curves[0], patches, pressure, edge_formulas.in_row)
+    known = told & (off < edge_formulas.ALIKE)
+    assert known.any()
+    expected = expected + edge_formulas.by_load(curves[0], patches, expected, known)
+    np.testing.assert_allclose(theta, expected, atol=1e-9)
+    np.testing.assert_allclose(spread, off, rtol=1e-6, atol=1e-9)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from edge_formulas import edge_function, edge_offset
 from linecontact import studies
 from linecontact.solver import (
     CoatedHalfSpace,
@@ -18,7 +19,7 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid import edges
-from linecontact.solver.grid.edge_curves import edge_function, half_space_curve
+from linecontact.solver.grid.edge_curves import half_space_curve
 from linecontact.solver.grid.edges import find_edges
 from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from linecontact.solver.grid.patches import Patches
@@ -76,9 +77,10 @@ def test_exact_edges_are_recovered():
     beta = np.linspace(0, 1, 11)
     for curve in (half_space_curve(), *map(curve_of, FEW_SPACINGS)):
         pressures = np.stack([edge_function(curve, beta, np.full(11, j)) for j in range(3)], axis=1)
-        three, two, _ = edges.edge_offset(curve, pressures)
+        three, two, _ = edge_offset(curve, pressures)
         np.testing.assert_allclose(two, beta - curve.shift, atol=1e-11)
         np.testing.assert_allclose(three, beta - curve.shift, atol=1e-11)
+        np.testing.assert_allclose(curve.from_two(pressures[:, 0] / pressures[:, 1]), two, atol=1e-11)
 
 
 def test_beyond_the_last_contact_node_an_edge_has_no_pressure():

@@ -39,7 +39,6 @@ UNKNOWN = 1.0
 real ones have up to 0.31 [grid spacings]."""
 _OF_BINOMIALS = np.array([[1, 3 / 8, 65 / 128], [0, 1, 15 / 8], [0, 0, 1]]) / [math.gamma(m + 0.5) for m in range(3)]
 """Coefficients of j^(r-1/2) in those of (1-z)^-(m+1/2) for large j, by r and m."""
-_NO_PRESSURE = np.sqrt(np.finfo(np.float64).eps)  # of an edge at its last node, over that a spacing away
 
 
 @dataclass(frozen=True)
@@ -65,11 +64,20 @@ class EdgeCurve:
     grid's, or where the curve says that nodes pull."""
 
     @cached_property
-    def far_fields(self) -> Array64:
-        """Pressures of the last three nodes under the far fields j^(3/2), j^(1/2), j^(-1/2), shape (3, 3), by far field
-        and node (dimensionless).
+    def packed(self) -> Array64:
+        """All numbers of the curve as `kernels.layout` has their places. Among them are the pressures of the last three
+        nodes under the far fields j^(3/2), j^(1/2), j^(-1/2), shape (3, 3), by far field and node (dimensionless).
         """
-        return np.asarray(np.linalg.inv(self.rows).T[::-1], dtype=np.float64)
+        far_fields = np.linalg.inv(self.rows).T[::-1]
+        return np.concatenate([[self.shift, self.delta, self.power], self.rows.ravel(), far_fields.ravel(), self.table])
+
+    def from_two(self, ratio: Array64) -> Array64:
+        """How far the edge lies inside the last node, -s to 1 - s, of the shape of ratio [grid spacings].
+
+        ratio: of the last node's pressure to the second last's.
+        """
+        two = self.table[0] - ratio * self.table[1]
+        return np.asarray(np.clip(two / (two + ratio * self.table[0]) - self.shift, -self.shift, 1 - self.shift))
 
     def at(self, j: Indices) -> Array64:
         """S_j, 0 for j < 0; a power of the distance from the edge beyond the table."""
@@ -163,22 +171,3 @@ def _far_field(slope: float) -> Array64:
     bend = (-1 / 24 - slope + slope**2) / 2
     lower = np.eye(3, k=1)  # 1 - z makes the family m - 1 of the family m
     return _OF_BINOMIALS @ (np.eye(3) - slope * lower + bend * lower @ lower)
-
-
-def edge_function(curve: EdgeCurve, beta: Array64, j: Indices) -> Array64:
-    """The edge pressure at the nodes j >= 0 from the last contact node inwards; on the half-space ~ sqrt(j - theta).
-
-    beta, j: broadcast against each other; the result has their common shape.
-    """
-    return np.asarray((1 - beta) * curve.at(j) + beta * curve.at(j - 1))
-
-
-def edge_distance(curve: EdgeCurve, theta: Array64) -> Array64:
-    """How the grid has the distance of its last three nodes from the edge: the pressures of a far field x^(3/2) over
-    those of x^(1/2), which has its edge theta inside the last node; shape (..., 3) [grid spacings].
-    """
-    theta = np.asarray(theta)[..., None] - curve.delta
-    high, middle, low = curve.far_fields
-    edge = middle - theta / 2 * low
-    bent = high - 1.5 * theta * middle + 0.375 * theta**2 * low
-    return np.where(edge > _NO_PRESSURE, bent / np.maximum(edge, _NO_PRESSURE), 0.0)

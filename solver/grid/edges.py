@@ -12,7 +12,7 @@ length, g being the gap next to the end:
     p(x) ~ cos(pi x/P) [sin^2(pi A/P) - sin^2(pi x/P)]^1/2, x from the middle of a patch.
 
 The last pressures are divided by p over the root of the distance from the end: the quotient looks like an edge. The
-distance is taken as the grid has it (`edge_curves.edge_distance`).
+distance is taken as the grid has it: the pressure of a far field x^(3/2) over that of x^(1/2).
 
 For an edge theta = beta - s spacings inside the last node the curve goes over into a [(j - theta)^1/2 + e (j -
 theta)^-3/2], e = (beta^2 - beta + 1/6)/8, and not into the root alone. In a patch of half-width A with a given load the
@@ -21,14 +21,14 @@ docs/edges.md). As it is the load of all patches together that is given, e is th
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from ...kernels import launch, layout
 from ..arrays import Array64, Mask
 from ..calibration import FITTED
-from .edge_curves import UNKNOWN, EdgeCurve, edge_distance, edge_function, half_space_curve
+from .edge_curves import UNKNOWN, EdgeCurve, half_space_curve
 from .layer_on_grid import LayerOnGrid
 from .patches import Patches
 
@@ -43,39 +43,6 @@ UNRESOLVED_ERROR = math.sqrt(0.5)
 """Error of an end halfway between two nodes, as counting has it, at most [grid spacings]."""
 
 _FEWEST = 8  # nodes of a full contact whose gaps `unseen` finds
-_NARROWEST = 0.5  # gap between two patches that is believed [grid spacings]
-TURNS = 3
-"""Until ends agree with pressures, or with the modulus that a layer has for their width."""
-
-_ALIKE = 0.15
-"""Grid spacings by which two estimates of an edge may differ to be of an edge at all."""
-
-
-def edge_offset(curve: EdgeCurve, pressures: Array64) -> tuple[Array64, Array64, Array64]:
-    """theta from the last three nodal pressures, (..., 3), last node first; and from the last two. [grid spacings]
-
-    The edge lies theta inside the last contact node (outside for theta < 0); -s <= theta <= 1 - s. The third result is
-    how little the pressures look like an edge: by how far the estimates differ, before they are put into these bounds.
-    """
-    least, most = -curve.shift, 1 - curve.shift
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ratio = pressures[..., 0] / pressures[..., 1]
-        two = curve.table[0] - ratio * curve.table[1]
-        two = two / (two + ratio * curve.table[0]) - curve.shift
-        low, middle, high = np.moveaxis(pressures @ curve.rows.T, -1, 0)
-        theta = -2 * low / middle
-        for _ in range(TURNS):  # -theta middle/2 - 3/8 theta^2 high = low
-            theta = -2 * low / (middle + 0.75 * theta * high)
-        theta += curve.delta
-    two[~np.isfinite(two)] = 0.5 - curve.shift
-    bounded = np.minimum(np.maximum(two, least), most)
-    differ = np.abs(theta - bounded)
-    unknown = ~np.isfinite(theta)
-    differ[unknown], theta[unknown] = 1.0, bounded[unknown]
-    spread = np.maximum(np.abs(two - bounded), differ)
-    theta = np.minimum(np.maximum(theta, least), most)
-    # two estimates far apart: the patch is too small for a third family
-    return np.where(np.abs(theta - bounded) < _ALIKE, theta, bounded), bounded, spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,18 +95,17 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid, steepnes
     if patches.full:
         unknown = np.full((2, 1), 0.5 if patches.num_points < _FEWEST else 0.0)
         return Edges(np.subtract(patches.first, 0.5), np.add(patches.last, 0.5), unknown, none, none, none)
-    thickness, curve = layer.thickness, half_space_curve()
-    theta, _, spread = edge_offset(curve, lone_ends(curve, patches, pressure, _in_row))
+    thickness = layer.thickness
+    unresolved = patches.size < UNRESOLVED_BELOW
     on_thick = (patches.size < _NARROW * thickness) & (thickness > _NARROW)
-    narrow = on_thick & (spread < _ALIKE)
+    theta, spread, _ = pressed_ends(half_space_curve(), patches, pressure, on_thick & ~unresolved)
+    narrow = on_thick & (spread < layout.ALIKE)
     by_curve = if_wide = 0.0
     if thickness < math.inf and not narrow.all():
         curve = layer.edge_curve
-        wide, _, spread_of_wide = edge_offset(curve, lone_ends(curve, patches, pressure))
+        wide, spread_of_wide, _ = pressed_ends(curve, patches, pressure)
         theta, spread = np.where(narrow, theta, wide), np.where(narrow, spread, spread_of_wide)
         by_curve, if_wide = curve.error, FITTED.of_size_if_wide * curve.power
-    unresolved = patches.size < UNRESOLVED_BELOW
-    theta = theta + _by_load(patches, theta, narrow & ~unresolved)
     outside = np.where(unresolved, 0.5, -theta)
     left, right = patches.first - outside[0], patches.last + outside[1]
     size = patches.size / steepness
@@ -150,70 +116,25 @@ def find_edges(patches: Patches, pressure: Array64, layer: LayerOnGrid, steepnes
     by_spread = FITTED.of_difference * spread.max(axis=0) ** 1.5 / np.sqrt(np.minimum(size, resolved))
     error = np.minimum(by_spread + by_size + by_gap, UNRESOLVED_ERROR)
     error += np.where(narrow, by_layer, by_curve)
-    error = np.where(spread < _ALIKE, error, UNKNOWN)
+    error = np.where(spread < layout.ALIKE, error, UNKNOWN)
     return Edges(left, right, np.where(unresolved, UNRESOLVED_ERROR, error), unresolved, none, none)
 
 
-def _ends(patches: Patches, pressure: Array64) -> Array64:
-    """The last three pressures of left and right ends, last node first, shape (2, M, 3)."""
-    steps = np.minimum(np.arange(3), patches.size[:, None] - 1)
-    left = pressure[patches.offset[:, None] + steps]
-    right = pressure[(patches.offset + patches.size - 1)[:, None] - steps]
-    return np.stack([left, right])
+def pressed_ends(
+    curve: EdgeCurve, patches: Patches, pressure: Array64, known: Mask | None = None
+) -> tuple[Array64, Array64, Array64]:
+    """How far edges lie inside the last nodes, shape (2, M) [grid spacings], by the kernel of this name, see there; by
+    how far two estimates of that differ, of that shape; the pressures without the effect of other ends, shape (6, M).
 
-
-def _in_row(curve: EdgeCurve, patches: Patches, theta: Array64) -> Array64:
-    """What the last three pressures of each end have from all others, shape (2, M, 3), as if patches like its own, with
-    gaps like the one next to it, followed each other on the half-space.
+    known: which patches may have the half-space's edge, and the effect of a row of patches, shape (M,); None: none.
     """
-    width, gap = (of[..., None] for of in _around(patches, theta))
-    wave, away = np.pi / (width + gap), np.minimum(edge_distance(curve, theta), width)
-    beyond = np.sin(wave * np.maximum(width - away, _NARROWEST)) * np.sinc(wave / np.pi * away)
-    return np.asarray(np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond))
-
-
-def _by_load(patches: Patches, theta: Array64, known: Mask) -> Array64:
-    """What is left to the second order if the load is given, shape (2, M) [grid spacings].
-
-    known: which ends the half-space's curve tells, shape (2, M); the others are left where they are.
-    """
-    width, gap = _around(patches, theta)
-    tangent = np.tan(np.pi / 2 * width / (width + gap))
-    beta = theta + half_space_curve().shift
-    e = float(np.sum(beta**2 - beta + 1 / 6, where=known)) / 8 / max(int(known.sum()), 1)
-    return np.where(known, np.pi / (width + gap) * (3 / tangent + tangent) / 2 * e, 0.0)
-
-
-def _around(patches: Patches, theta: Array64) -> tuple[Array64, Array64]:
-    """Widths of patches, and of the gaps to their left and right, shape (2, M) each [grid spacings]; widths not below
-    two, the least that three nodes can have, and gaps not below `_NARROWEST`.
-    """
-    width = np.maximum(patches.size - 1 - theta.sum(axis=0), 2.0)
-    left, right = theta
-    facing = np.concatenate((right[-1:], right[:-1], left[1:], left[:1])).reshape(theta.shape)  # of the neighbours
-    gap = np.maximum(patches.gap + 1 + theta + facing, _NARROWEST)
-    return np.broadcast_to(width, gap.shape), gap
-
-
-def _in_patch(curve: EdgeCurve, patches: Patches, theta: Array64) -> Array64:
-    """As `_in_row`, from the edge function of the patch's other end alone."""
-    away = patches.size[:, None] - 1 - np.arange(3)
-    return np.maximum(edge_function(curve, (theta + curve.shift)[::-1, :, None], away), 1e-3)
-
-
-def lone_ends(
-    curve: EdgeCurve,
-    patches: Patches,
-    pressure: Array64,
-    others: Callable[[EdgeCurve, Patches, Array64], Array64] = _in_patch,
-) -> Array64:
-    """The last three pressures of left and right ends, last node first, divided by the factors of `others`, shape
-    (2, M, 3).
-    """
-    alone = ends = _ends(patches, pressure)
-    theta = np.full((2, patches.count), 0.5 - curve.shift)
-    for turn in range(TURNS):
-        if turn:
-            theta = edge_offset(curve, alone)[0]
-        alone = ends / others(curve, patches, theta)
-    return alone
+    count, size = patches.count, patches.size
+    given, ends = np.zeros((layout.PRESSED + 6, count)), np.zeros((layout.ALONE + 6, count))
+    given[layout.SIZE], given[layout.GAPS : layout.KNOWN] = size, patches.gap
+    if known is not None:
+        given[layout.KNOWN] = known
+    steps = np.minimum(np.arange(3)[:, None], size - 1)
+    given[layout.PRESSED : layout.PRESSED + 3] = pressure[patches.offset + steps]
+    given[layout.PRESSED + 3 :] = pressure[patches.offset + size - 1 - steps]
+    launch("pressed_ends", 1, (curve.packed, given.ravel(), known is not None), (ends.ravel(),))
+    return ends[layout.OFFSET : layout.SPREAD], ends[layout.SPREAD : layout.BEFORE], ends[layout.ALONE :]

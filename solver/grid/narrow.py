@@ -39,7 +39,6 @@ import numpy as np
 
 from ...kernels import launch, layout
 from ..arrays import Array64, Indices, Mask
-from .edges import TURNS
 from .few_nodes import MARGIN, MOST_NODES
 
 Field = Callable[[Indices], Array64]
@@ -174,7 +173,7 @@ def from_loads(
     """
     moment, exponent = 2 / np.pi * load, np.zeros(load.size)
     around = around or Surroundings(exponent, np.ones(load.size), np.zeros((1, load.size)))
-    for _ in range(TURNS if modulus else 1):
+    for _ in range(layout.TURNS if modulus else 1):
         if modulus:  # near this half-width it goes like a power of it
             a = np.maximum(begin[1], layout.CLOSE)
             here, beyond = modulus(_WAVE / a), modulus(_WAVE / (a * (1 + layout.CLOSE)))

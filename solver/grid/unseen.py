@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
+from ...kernels import layout
 from ..arrays import Array64
-from .edges import TURNS
 from .few_nodes import node_compliance
 from .patches import Patches
 
@@ -68,6 +68,6 @@ def unseen_patches(patches: Patches, profile: Array64, displacement: Array64, ha
     stand_out = depth > 0
     ratio = depth[stand_out] / bend[stand_out] ** 2
     a = np.sqrt(2 * ratio)
-    for _ in range(2 * TURNS if half_space else 0):
+    for _ in range(2 * layout.TURNS if half_space else 0):
         a = np.sqrt(ratio / (0.25 + np.log(2 / a) / 2))
     return 2 * float(a.sum())

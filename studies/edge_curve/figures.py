@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from linecontact.solver.grid import edges
 from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from matplotlib.figure import Figure
 
@@ -27,8 +26,7 @@ def draw(path: Path) -> dict[str, Figure]:
         curve = layer_on_grid(layer_of(kind, float(spacings) / _FINE, nu, base), _FINE, 1.0).edge_curve
         if curve.shift not in drawn:
             ratio = np.linspace(1e-3, curve.table[0] / curve.table[1], 200)
-            pressures = np.stack([ratio, np.ones_like(ratio), np.ones_like(ratio)], axis=1)
-            above.plot(ratio, edges.edge_offset(curve, pressures)[1], "k-", lw=0.7, zorder=1)
+            above.plot(ratio, curve.from_two(ratio), "k-", lw=0.7, zorder=1)
         drawn.add(curve.shift)
         x, offset = (np.array([run[name] for run in scenes[scene]]) for name in ("ratio", "offset"))
         label = f"$n={exponent:g}$, {_layer(kind, spacings, nu, base)}"

@@ -114,15 +114,15 @@ class Task:
         solution = solve(scene, tolerance=self.tolerance, progress=report)
         patches = Patches.of(solution.contact_pressure > 0)
         curve = layer_on_grid(layer, n, 1.0).edge_curve
-        last = edges.lone_ends(curve, patches, solution.contact_pressure[patches.nodes])[0]
-        three, two, _ = edges.edge_offset(curve, last)
+        three, _, alone = edges.pressed_ends(curve, patches, solution.contact_pressure[patches.nodes])
+        ratio = alone[0, 0] / alone[1, 0]
         return records.run_record(solution) | {
             **{name: getattr(self, name) for name in SCENE},
             "place": self.place,
-            "ratio": float(last[0, 0] / last[0, 1]),
+            "ratio": float(ratio),
             "offset": float(n / 2 - asperity(load).half_width * n - patches.first[0]),
-            "offset.two_nodes": float(two[0]),
-            "offset.three_nodes": float(three[0]),
+            "offset.two_nodes": float(curve.from_two(ratio)),
+            "offset.three_nodes": float(three[0, 0]),
         }
 
 
