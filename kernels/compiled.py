@@ -107,9 +107,6 @@ def compile_modules(modules: list[ModuleType], device: str = "cpu") -> dict[str,
             for real in (wp.float32, wp.float64):
                 types = {k: wp.array(dtype=real) if t.dtype is Any else t for k, t in arguments.items()}
                 wp.overload(kernel, types)
-    if "advance_response" in kernels:
-        single, double, state = wp.array(dtype=wp.float32), wp.array(dtype=wp.float64), wp.array(dtype=wp.float64)
-        wp.overload(kernels["advance_response"], {"change": single, "state": state, "response": double})
     compiled = [_is_compiled(module, device) for module in modules]
     if not all(compiled):
         what = "this processor" if device == "cpu" else "the GPU"

@@ -94,7 +94,7 @@ def plain_step(elastic: Array, h: Array, state: Array64, u: Array, v: Array) -> 
 
 def advance_response(change: Array, state: Array64, response: Array) -> None:
     """w += step (G d)."""
-    response += response.dtype.type(state[layout.STEP]) * change.astype(response.dtype)
+    response += response.dtype.type(state[layout.STEP]) * change
 
 
 def _complex(values: Array) -> Array:

@@ -31,13 +31,10 @@ def spectral_multiply(coefficient: Field, spectrum: Field):
 
 @wp.kernel
 def advance_response(change: Field, state: Doubles, response: Field):
-    """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level.
-
-    In mixed precision the change is float32 and the response float64.
-    """
+    """w += step (G d): the response w = G sigma follows a step along the direction d; the gap is h + w - level."""
     tid = wp.tid()
     start = tid // LANES * SPAN + tid % LANES
     step = response.dtype(state[STEP])
     for j in range(CHUNK_LENGTH):
         i = start + j * LANES
-        response[i] = response[i] + step * response.dtype(change[i])
+        response[i] = response[i] + step * change[i]

@@ -54,8 +54,8 @@ class Scene(Value):
     num_points: int = 2**18
     """Grid points N, 4 to 2^30; x_i = i L/N. Any number will do; products of small primes transform fastest."""
     precision: str = "float64"
-    """Precision of the iteration: 'float64', 'float32', or 'mixed': float32 transforms inside, residuals in
-    float64. The certificate is always float64."""
+    """Precision of the iteration: 'float64', 'float32', or 'mixed': FIRE's transforms in float32, residuals in float64.
+    The certificate is always float64."""
     approach: float | None = None
     """Rigid approach since first touch [length], to give instead of the pressure, which is then found; up to 0 nothing
     touches. See `Observables.approach`."""

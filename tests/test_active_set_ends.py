@@ -3,7 +3,6 @@
 import itertools
 import math
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -113,9 +112,6 @@ def test_stiff_coating_on_which_the_search_does_not_settle(monkeypatch):
     assert limited.status is Status.ITERATION_LIMIT
     assert limited.iterations == 2000
     assert solve(scene, max_iterations=20_000).iterations == solution.iterations
-    mixed = solve(replace(scene, precision="mixed"))
-    assert mixed.status is Status.CONVERGED
-    assert not any(choice.what == "precision" for choice in mixed.choices)
 
 
 def test_grids_that_were_not_solved_do_not_count_in_an_estimated_error():

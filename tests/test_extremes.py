@@ -23,7 +23,6 @@ from linecontact.solver.grid import edges
 from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods.active_set.active_set import ActiveSet
 from linecontact.solver.methods.mass_weighted_fire import MassWeightedFire
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy import small_models
@@ -200,20 +199,6 @@ def test_what_rounding_leaves():
     assert asked.status is Status.STAGNATED
     assert str(asked.reason).startswith("tolerance is 1e-08; allowed: above ")
     assert str(asked.reason).endswith("which rounding in float64 leaves")
-
-
-def test_mixed_that_is_stuck_hands_over(monkeypatch):
-    step = ActiveSet.step
-
-    def stuck(self):
-        step(self)
-        self.stopped = self.stopped or (self._all.mixed and self.iteration > 3)
-
-    monkeypatch.setattr(ActiveSet, "step", stuck)
-    monkeypatch.setattr("linecontact.solver.methods.active_set.active_set.SMALL", 0)  # nothing by elimination
-    solution = solve(Scene(Layer(0.01), RoughIndenter(0.8, 0, 1 / 4, 1 / 16), 0.01, num_points=1024, precision="mixed"))
-    assert solution.status is Status.CONVERGED
-    assert solution.handed_over
 
 
 def test_what_diverges_beyond_all_numbers_is_finite(monkeypatch):

@@ -86,7 +86,7 @@ def test_the_preconditioner_inverts_a_short_gap_exactly():
 
 @pytest.mark.parametrize(
     ("layer", "precision", "share"),
-    [(Layer(1e-3, 0.5), "float64", 0.9), (Layer(), "mixed", 0.9), (Layer(), "float64", 0.15)],
+    [(Layer(1e-3, 0.5), "float64", 0.9), (Layer(), "float32", 0.9), (Layer(), "float64", 0.15)],
 )
 def test_where_pressures_are_better_they_are_taken(layer, precision, share):
     problem = Problem.from_scene(Scene(layer, num_points=2**10, precision=precision))

@@ -148,15 +148,6 @@ def test_step_leaves_nothing_beyond_the_wall(precision):
     assert (v[~hit] != layout.TOUCHING).all()
 
 
-def test_a_float32_change_of_a_float64_response():
-    change, state, response = make_arrays("advance_response", 3 * CHUNK, "float64", seed=6)
-    arrays = [change.astype(np.float32), state, response]
-    *_, warp = run("warp", "advance_response", arrays)
-    np.testing.assert_allclose(warp, response + state[layout.STEP] * arrays[0].astype(np.float64), atol=1e-15)
-    *_, reference = run("numpy", "advance_response", arrays)
-    np.testing.assert_allclose(warp, reference, rtol=0, atol=1e-15)
-
-
 @pytest.mark.parametrize("precision", PRECISIONS)
 def test_force_is_zero_exactly_where_the_wall_carries(precision):
     arrays = make_arrays("net_force", 3 * CHUNK, precision, seed=2)
@@ -329,8 +320,7 @@ def test_every_element_wise_loop_is_vectorised(compiled_afresh):
         name: [w for f, w in found.items() if re.match(rf"static void {name}_[0-9a-f]{{8}}_cpu", f)]
         for name in (*ELEMENTWISE, *OF_COLUMNS)
     }
-    # float32, float64, and for one kernel both
-    assert all(len(widths) == 2 + (name == "advance_response") for name, widths in exact.items()), exact
+    assert all(len(widths) == 2 for widths in exact.values()), exact  # float32 and float64
     assert all(max(w) >= 2 for widths in exact.values() for w in widths)
     assert {*ELEMENTWISE, *OF_COLUMNS, "fire_control"} == set(KERNELS)
 

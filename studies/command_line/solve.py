@@ -52,7 +52,8 @@ class Options(making.Options):
     max_iterations: int | None = _DEFAULTS["max_iterations"]
     """Iteration limit; reaching it gives exit status 3."""
     precision: str = one_of(PRECISIONS, Scene.precision)
-    """Of the iteration; mixed: float32 inside, residuals in float64. The certificate is always float64."""
+    """Of the iteration; mixed: FIRE's transforms in float32, residuals in float64. The certificate is always
+    float64."""
     threads: int = _DEFAULTS["threads"]
     """Threads of the transforms. Where other programs keep the cores busy, two take many times as long as one."""
     planning: str = one_of(PLANNING, _DEFAULTS["planning"])

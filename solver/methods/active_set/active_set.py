@@ -12,6 +12,7 @@ Squares Problems (1974), ch. 23, with the load fixed, and all nodes at once that
 
 import math
 import weakref
+from dataclasses import replace
 
 import numpy as np
 
@@ -40,12 +41,12 @@ class ActiveSet(Search):
         self, problem: Problem, config: ExecutionConfig, green: GreensFunction, everywhere: Everywhere
     ) -> None:
         super().__init__(problem, config, green, everywhere)
-        self._precision = "float32" if config.precision == "float32" else "float64"
+        self._precision = config.precision
         # a single node that penetrates so much takes that part of the tolerance as its force
         self._smallest_gap = SMALLEST * self.tolerance / float(problem.stiffness.mean())
         # on a half-space K is q/2: below a stiff coating long waves find a base that is softer
         soft_base = bool(problem.stiffness[1] * (problem.stiffness.size - 1) < _SOFT * problem.stiffness[-1])
-        self._begins_cautious = soft_base and self._precision == "float64" and not self._fixed_set
+        self._begins_cautious = soft_base and config.precision == "float64" and not self._fixed_set
         self._surface = Surface(problem, None if self._begins_cautious else problem.layer.split, everywhere)
         self._begun = False
 
@@ -160,6 +161,8 @@ class ActiveSet(Search):
 def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
     """The active set on a grid, in the form that suits the contact's share of it."""
     layer = problem.layer
+    if config.precision == "mixed":  # transforms are few, so those in float32 would save nothing
+        config = replace(config, precision="float64")
     much = config.contact_share >= _LEAST and config.precision == "float64"
     free = much and bool(layer.stiffness[1] <= _SHORT_RANGED * layer.stiffness[1:].min())
     symbol = problem.stiffness if free else layer.compliance

@@ -23,10 +23,10 @@ _WORTH = 0.5  # length of the packed transforms over that of the field's, up to 
 
 
 class Operator:
-    """G = 1/K without the mean mode, or K, applied by one pair of transforms, in the precision of the transforms."""
+    """G = 1/K without the mean mode, or K, applied by one pair of transforms."""
 
-    def __init__(self, symbol: Array64, num_points: int, precision: str, config: ExecutionConfig) -> None:
-        transforms = plan_transforms(num_points, precision, config.threads, config.planning, config.backend)
+    def __init__(self, symbol: Array64, num_points: int, config: ExecutionConfig) -> None:
+        transforms = plan_transforms(num_points, config.precision, config.threads, config.planning, config.backend)
         self.new_field = transforms.buffer
         self.target = transforms.field()
         forward, inverse = transforms.forward(self.target), transforms.inverse(self.target)
@@ -47,9 +47,7 @@ class Everywhere:
     def __init__(self, symbol: Array64, num_points: int, config: ExecutionConfig) -> None:
         """symbol: of the operator, shape (N//2 + 1,); num_points: N."""
         self._symbol, self._num_points, self._config = symbol, num_points, config
-        self.mixed = config.precision == "mixed"
-        """Whether images of search directions are float32 and the field is float64."""
-        self.field = self._operators[1].new_field()
+        self.field = self._operator.new_field()
         """Shape (N,) and padding."""
         self.pairs = 0.0
         """Transform pairs in this solve, short ones by their length over N."""
@@ -62,31 +60,28 @@ class Everywhere:
         self._height: Array = height.astype(self.field.dtype, copy=False)
 
     @cached_property
-    def _operators(self) -> tuple[Operator, Operator]:
-        """For search directions and for the field itself: two objects in mixed precision, else the same one."""
-        of = self._symbol, self._num_points
-        directions = Operator(*of, self._config.working_precision, self._config)
-        return directions, Operator(*of, "float64", self._config) if self.mixed else directions
+    def _operator(self) -> Operator:
+        return Operator(self._symbol, self._num_points, self._config)
 
     @cached_property
     def _advance(self) -> Callable[[], None]:
-        call = Call("advance_response", (self._operators[0].target, self._state), (self.field,))
+        call = Call("advance_response", (self._operator.target, self._state), (self.field,))
         return record(self._config.backend, [call])
 
     def rest(self) -> None:
-        """Give back the operators on a large grid; they are made anew when they are needed."""
-        for name in ("_advance", "_operators") if self._num_points > MOST_POINTS else ():
+        """Give back the operator on a large grid; it is made anew when it is needed."""
+        for name in ("_advance", "_operator") if self._num_points > MOST_POINTS else ():
             self.__dict__.pop(name, None)
 
     def renew(self, places: Indices | slice, values: Array64) -> None:
         """Make the field of values at these places, 0 elsewhere."""
         self.pairs += 1
-        self.field[:] = self._operators[1].apply(places, values)
+        self.field[:] = self._operator.apply(places, values)
 
     def image(self, places: Indices | slice, direction: Array64) -> Array:
-        """The image of a search direction at these places, in the precision of its transforms, there."""
+        """The image of a search direction at these places, there."""
         self.pairs += 1
-        return np.asarray(self._operators[0].apply(places, direction)[places])
+        return np.asarray(self._operator.apply(places, direction)[places])
 
     def advance(self, step: float) -> None:
         """Add the latest image times a step."""

@@ -59,20 +59,15 @@ class Surface:
     """w = G sigma of one grid, with gaps and displacements by it. Units are the problem's.
 
     Every step near the contact adds its error to the response, which drifts away from the pressure that it belongs to,
-    until it is made anew on all nodes. The same happens in mixed precision, where search directions and their images
-    are float32 and the response is float64.
+    until it is made anew on all nodes.
     """
 
     def __init__(self, problem: Problem, split: Split | None, everywhere: Everywhere) -> None:
         """everywhere: the response on all nodes; split: of G, to work near the contact where that pays; None: never."""
         self._problem, self.split, self._all = problem, split, everywhere
         self._at: Everywhere | Nearby = everywhere
-        # added to an image by rounding to float32, as rms pressure over the rms of the image [p/u]
-        rms = math.sqrt(float(np.mean(problem.stiffness**2))) if everywhere.mixed else 0.0
-        self._rounding = float(np.finfo(np.float32).eps) * rms
         self.drift = 0.0
-        """Error that images have added since the response was made, as rms pressure over p; 0 in float64 on all nodes.
-        """
+        """Error that images have added since the response was made, as rms pressure over p; 0 on all nodes."""
 
     @property
     def nearby(self) -> bool:
@@ -103,7 +98,8 @@ class Surface:
                 change = np.zeros(at.nodes.size)
                 change[at.places(before.nodes)] -= before.pressure
                 change[now.places] += now.pressure
-                self._advance(1.0, change, self._image(slice(None), change))
+                self._image(slice(None), change)
+                self._advance(1.0, change)
         elif changed or at is not self._all:
             self.renew(now)
 
@@ -115,7 +111,7 @@ class Surface:
             return False
         step = now.last_product / curvature
         now.pressure += step * direction
-        self._advance(step, direction, image)
+        self._advance(step, direction)
         return True
 
     def _image(self, places: Indices | slice, direction: Array64) -> Array:
@@ -124,12 +120,11 @@ class Surface:
             self._all.pairs += self._at.pair_length
         return self._at.image(places, direction)
 
-    def _advance(self, step: float, direction: Array64, image: Array) -> None:
-        """Add the latest image times a step to the response."""
-        factor, cause = (self._at.error, direction) if isinstance(self._at, Nearby) else (self._rounding, image)
-        norm = float(np.linalg.norm(cause.astype(np.float64, copy=False)))  # whose square float32 may not hold
-        size = abs(step) * norm / math.sqrt(self._problem.num_points)
-        self.drift = math.hypot(self.drift, factor * size)  # first: an interruption must not hide it
+    def _advance(self, step: float, direction: Array64) -> None:
+        """Add the latest image, of that direction, times a step to the response."""
+        if isinstance(self._at, Nearby):
+            size = abs(step) * float(np.linalg.norm(direction)) / math.sqrt(self._problem.num_points)
+            self.drift = math.hypot(self.drift, self._at.error * size)  # first: an interruption must not hide it
         self._at.advance(step)
 
     def touching(self, now: ContactSet) -> Array64:
