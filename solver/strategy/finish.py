@@ -65,7 +65,7 @@ def make_solution(
         seconds={"setup": ready - begin, "solve": relaxed - ready, "certificate": end - relaxed, "total": end - begin},
         threads=run.config.threads,
         planning=run.config.planning,
-        backend=run.backend_on(scene.num_points),
+        backend=run.config.backend,
         reason=run.reason,
         handed_over=run.handed_over,
         levels=tuple(level for level in run.levels if level.num_points < scene.num_points),

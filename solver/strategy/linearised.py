@@ -31,7 +31,6 @@ from ..grid.patches import Patches
 from ..grid.problem import Problem
 from ..methods import ExecutionConfig, active_set, relax
 from ..solution import Solution
-from .run import SMALLEST_WARP
 
 _TOLERANCE = 1e-5  # on the punch's pressure or free force; the stiffness has eight digits: of second order
 
@@ -64,9 +63,7 @@ def flat_punch(problem: Problem, contact: Mask) -> tuple[float, Array64, Array64
     if contact.all():  # the surface stays where it is, and the layer below is compressed
         return compression, np.ones(contact.size), np.zeros(contact.size)
     punch = replace(problem, height=np.where(contact, 0.0, problem.layer.reach))
-    backend = "warp" if problem.num_points >= SMALLEST_WARP else "numpy"
-    share = float(contact.mean())
-    config = ExecutionConfig(_TOLERANCE, fixed_set=True, contact_share=share, backend=backend)
+    config = ExecutionConfig(_TOLERANCE, fixed_set=True, contact_share=float(contact.mean()))
     method = active_set.begin(punch, config)
     method.start_from_pressure(contact.astype(np.float64))
     if relax(method, active_set.KIND.max_iterations) is Status.INTERRUPTED:

@@ -20,9 +20,6 @@ from ..methods import METHODS, ExecutionConfig, Method, MethodKind, relax
 from ..scene import Scene
 from ..solution import MOST_ENERGY, Choice, Level
 
-SMALLEST_WARP = 2**13
-"""Points; on smaller coarse grids recording Warp's launches takes longer than a few passes of the reference kernels."""
-
 _NEAR_THE_FLOOR = 100  # times the residual of rounding: below, rounding may be the reason for the residual
 _MOST_WORK = 20_000 * 2**16  # iterations times points of a method that goes on where another one failed
 
@@ -93,13 +90,8 @@ class Run:
         """
         size = problem.num_points
         precision = self.scene.precision if size == self.scene.num_points else "float64"
-        share, backend = self.contact_share, self.backend_on(size)
-        config = replace(self.config, tolerance=tolerance, precision=precision, contact_share=share, backend=backend)
+        config = replace(self.config, tolerance=tolerance, precision=precision, contact_share=self.contact_share)
         return (kind or self.kind).begin(problem, config)
-
-    def backend_on(self, num_points: int) -> str:
-        """Of the kernels on a grid: 'numpy' on small ones except the scene's own."""
-        return self.config.backend if num_points >= min(SMALLEST_WARP, self.scene.num_points) else "numpy"
 
     def relax(self, state: Method) -> Status:
         """Relax, and count the iterations and transforms."""
