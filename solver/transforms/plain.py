@@ -1,7 +1,7 @@
 """FFTW: the library, its plans, and transforms of plain arrays now and then.
 
-Those are in float64, with NumPy's normalisation: 1/N on the way back. Short ones are NumPy's own, which need no plan.
-Transforms done often on arrays of one length go through `planned`.
+Those are in float64, with NumPy's normalisation: 1/N on the way back. Transforms done often on arrays of one length go
+through `planned`.
 
 pyFFTW is imported without SciPy and Dask, which its interfaces would import although nothing here uses them. They are
 hidden only while pyFFTW is being imported; afterwards they can be imported as ever. pyFFTW's interfaces for them are
@@ -43,8 +43,6 @@ __all__ = ["IN_PLACE", "Pair", "Plan", "irfft", "library", "next_fast_len", "pai
 next_fast_len = pyfftw.next_fast_len
 
 _PATIENCE = 20.0  # s, for a plan that takes microseconds
-_PLANNED_FROM = 2**12
-"""Values from which FFTW is faster, its planning included."""
 IN_PLACE = 2**18
 """Values, in float64, from which FFTW's real transforms take less time in place."""
 _TOO_LONG = 2**22
@@ -167,8 +165,6 @@ def pair(num_points: int) -> Iterator[Pair]:
 
 def rfft(values: Array64) -> Modes:
     """Half spectrum X_k = sum_i x_i exp(-2 pi i k i/N), k = 0 ... N//2, shape (N//2 + 1,), of N real values."""
-    if values.size < _PLANNED_FROM:
-        return np.fft.rfft(values)
     with pair(values.size) as transforms:
         modes = transforms.transform(values)
         return modes.copy() if values.size <= _TOO_LONG else modes
@@ -179,8 +175,6 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
 
     modes: shape (M,); cut off or filled up with zeros to M = num_points//2 + 1.
     """
-    if num_points < _PLANNED_FROM:
-        return np.fft.irfft(modes, num_points)
     with pair(num_points) as transforms:
         transforms.invert(modes[: num_points // 2 + 1])
         return transforms.real.copy() if num_points <= _TOO_LONG else transforms.real
