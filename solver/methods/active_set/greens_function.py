@@ -33,7 +33,6 @@ SMALL = 256
 """Nodes up to which dense matrices take less time than transforms, in elimination and for single runs."""
 HARD = 2048
 """Unknowns up to which a stiff coating's equations are solved by elimination: they are hard to iterate on."""
-_SHORT = 16  # times shorter than the grid are rings that are kept for the next solve
 
 
 class GreensFunction:
@@ -45,9 +44,8 @@ class GreensFunction:
         self._convolutions: dict[int, Convolution] = {}
 
     def begin(self) -> None:
-        """Serve another solve."""
-        short = self.num_points // _SHORT
-        self._convolutions = {length: ring for length, ring in self._convolutions.items() if length <= short}
+        """Serve another solve, with the rings that the last one took."""
+        self._convolutions = {length: ring for length, ring in self._convolutions.items() if ring.count}
         for ring in self._convolutions.values():
             ring.count = 0
 
