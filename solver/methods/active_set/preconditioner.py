@@ -53,7 +53,7 @@ class RunByRun:
         padded = np.append(residual, 0.0)
         z = np.zeros_like(padded)
         for factor, index, mask in self._blocks:
-            z[index] = ((padded[index] @ factor.T) * mask) @ factor * mask
+            z[index] = ((padded[index] @ factor.T) * mask) @ factor
         for part, inverse in self._long:
             z[part] = inverse(residual[part])
         return z[:-1]
