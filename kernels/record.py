@@ -87,8 +87,7 @@ def launch(name: str, threads: int, inputs: Sequence[Array | bool], outputs: Seq
     import warp as wp
 
     with RECORDING:  # else another thread would record it
-        given = [one if isinstance(one, bool) else share(one) for one in inputs]
-        wp.launch(kernel, threads, inputs=given, outputs=[*map(share, outputs)], device="cpu")
+        wp.launch(kernel, threads, inputs=inputs, outputs=outputs, device="cpu")
 
 
 def share(array: Array) -> Any:
