@@ -82,7 +82,6 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
                 Choice("model", "grid", "no smaller model will do"),
                 Choice("grid", f"{size} points", why, error),
                 Choice("method", run.kind.name, "the fastest on every scene measured"),
-                Choice("precision", "float64", "mixed saves next to nothing where transforms are few"),
                 Choice("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance)),
             ]
             solution = finish(run, scene.on_grid(size), run.state.problem)
