@@ -619,6 +619,29 @@ def test_what_ctrl_c_waits_for_is_said_where_it_takes_longer(monkeypatch, capsys
 
 
 @posix
+def test_ctrl_c_in_the_last_moment_of_a_command_leaves_no_alarm(monkeypatch):
+    """It comes while the command's own handlers are taken away."""
+
+    def late(*given):
+        monkeypatch.undo()
+        signal.raise_signal(signal.SIGINT)
+        return signal.signal(*given)
+
+    def command():
+        monkeypatch.setattr(signal, "signal", late)
+        return 0
+
+    before = signal.getsignal(signal.SIGALRM), sys.unraisablehook
+    ignored = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        assert console.guard(command) == 130
+    finally:
+        signal.signal(signal.SIGINT, ignored)
+    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0
+    assert before == (signal.getsignal(signal.SIGALRM), sys.unraisablehook)
+
+
+@posix
 def test_workers_go_on_where_the_caller_ignores_ctrl_c(tmp_path):
     """As in a script's background, where Ctrl-C is meant for another program."""
     command = [sys.executable, "-m", "linecontact.studies", "curve", "--num-points", "2^10", "--points", "6"]

@@ -248,11 +248,15 @@ def _waiting_told() -> Iterator[None]:
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
-        sys.unraisablehook = hook
-        if signal.getsignal(signal.SIGALRM) is not alarm:
-            signal.setitimer(signal.ITIMER_REAL, 0)
-            signal.signal(signal.SIGALRM, alarm)
+        try:
+            if signal.getsignal(signal.SIGALRM) is not alarm:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGINT, before)
+        finally:  # Ctrl-C may come even now, and starts the timer
+            sys.unraisablehook = hook
+            if signal.getsignal(signal.SIGALRM) is not alarm:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+                signal.signal(signal.SIGALRM, alarm)
 
 
 def _refusal(error: Exception) -> str:
