@@ -596,19 +596,35 @@ def test_work_for_a_page_that_is_closed_is_no_traceback(capsys, ended):
     assert ("AttributeError" in capsys.readouterr().err) != ended
 
 
-def test_ctrl_c_while_a_bar_begins_leaves_the_cursor(capsys, monkeypatch):
+@pytest.mark.parametrize("name", ["start", "stop"])
+def test_ctrl_c_while_a_bar_begins_or_ends_leaves_the_cursor(capsys, monkeypatch, name):
+    """After the begin, and before the end."""
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(console, "errors", type(console.errors)(stderr=True, highlight=False, force_terminal=True))
-    begin = console.Progress.start
-    monkeypatch.setattr(console.Progress, "start", lambda bar: (begin(bar), signal.raise_signal(signal.SIGINT)))
+    begin, end, stopped = console.Progress.start, console.Bar.end, []
+
+    def interrupted():
+        if not stopped:
+            stopped.append(True)
+            signal.raise_signal(signal.SIGINT)
+        end()
+
+    def command():
+        with console.Bar("work"):
+            return 0
+
+    if name == "start":
+        monkeypatch.setattr(console.Progress, "start", lambda bar: (begin(bar), signal.raise_signal(signal.SIGINT)))
+    else:
+        monkeypatch.setattr(console.Bar, "end", interrupted)
     ignored = signal.signal(signal.SIGINT, signal.default_int_handler)  # perhaps, in the background of a script
     try:
-        with pytest.raises(KeyboardInterrupt), console.Bar("work"):
-            raise AssertionError
+        assert console.guard(command) == 130
     finally:
         signal.signal(signal.SIGINT, ignored)
     said = capsys.readouterr().err
     assert said.rfind("\x1b[?25h") > said.rfind("\x1b[?25l") >= 0
+    assert not console.Bar.shown
 
 
 @pytest.mark.parametrize("bug", [NameError, AssertionError])
