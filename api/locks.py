@@ -13,8 +13,8 @@ import importlib
 import os
 import sys
 import threading
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import ParamSpec, TypeVar
 
@@ -27,7 +27,8 @@ BUFFERS = threading.Lock()
 imported would stay so; of Warp's modules; of the launches that Warp records, beside which another launch would crash;
 of FFTW's planner and wisdom; and of the buffers that `solver.transforms.plain` keeps."""
 
-_IMPORTED = {"linecontact", "numpy", "pyfftw", "warp", "h5py", "matplotlib", "rich", "SurfaceTopography", "bokeh"}
+_IMPORTED = {"linecontact", "numpy", "pyfftw", "warp", "cupy", "h5py", "SurfaceTopography"}
+_IMPORTED |= {"matplotlib", "rich", "bokeh"}
 """Packages whose imports end before a fork."""
 
 _taken = threading.local()
@@ -59,16 +60,35 @@ def once(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
     return call
 
 
+@contextmanager
+def _free_h5py() -> Iterator[None]:
+    """h5py takes its own lock before a fork, perhaps before `_take`, which may wait for an import that needs it."""
+    taken = True
+    try:
+        sys.modules["h5py._objects"].phil.release()
+    except RuntimeError:  # h5py takes it later
+        taken = False
+    except (KeyError, AttributeError):  # h5py is not there
+        pass
+    try:
+        yield
+    finally:
+        if taken:
+            with suppress(KeyError, AttributeError):  # also where it came meanwhile: it gives back after the fork
+                sys.modules["h5py._objects"].phil.acquire()
+
+
 def _take() -> None:
     _taken.locks = []
-    for lock in _ALL:  # Ctrl-C may come while one is waited for
-        lock.acquire()
-        _taken.locks.append(lock)
-    under_way = getattr(_frozen_importlib, "_module_locks", {})
-    for name in list(under_way):
-        if name.partition(".")[0] in _IMPORTED:
-            with suppress(Exception):  # another thread's import: a child would wait for ever for its end
-                importlib.import_module(name)
+    with _free_h5py():
+        for lock in _ALL:  # Ctrl-C may come while one is waited for
+            lock.acquire()
+            _taken.locks.append(lock)
+        under_way = getattr(_frozen_importlib, "_module_locks", {})
+        for name in list(under_way):
+            if name.partition(".")[0] in _IMPORTED:
+                with suppress(Exception):  # another thread's import: a child would wait for ever for its end
+                    importlib.import_module(name)
 
 
 def _give_back() -> None:

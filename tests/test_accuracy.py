@@ -210,6 +210,16 @@ def test_an_interrupted_iteration_returns_what_there_is(options, monkeypatch):
         solve(Scene(Layer(0.1), PowerIndenter(), 1e-2, num_points=2**12), accuracy=1e-2)
 
 
+def test_an_interruption_on_a_grid_that_does_not_resolve_the_surface_is_passed_on(monkeypatch):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("linecontact.solver.methods.method.time.monotonic", iter(range(100)).__next__)
+    scene = Scene(indenter=RoughIndenter(), num_points=2**16)
+    with pytest.raises(KeyboardInterrupt):
+        solve(scene, accuracy=1e-2, progress=stop)
+
+
 def test_an_answer_that_is_less_accurate_than_estimated_goes_on_from_its_grid(monkeypatch):
     """Estimated errors that turn out too large only after certification: no grid is begun twice."""
     sizes, real = [], DEFAULT.begin

@@ -98,6 +98,35 @@ def test_children_of_a_process_that_is_solving_solve_too():
     assert said.stdout.split() == ["0"] * 20, said.stderr
 
 
+SAVING_FORKS = """
+import os, signal, threading, time
+from linecontact import Scene, solve
+
+os.chdir(os.environ["FOLDER"])
+solution = solve(Scene(num_points=64))
+thread = threading.Thread(target=solution.save, args=("thread.h5",))
+thread.start()
+children = []
+for i in range(10):
+    time.sleep(0.02)
+    children.append(os.fork())
+    if not children[-1]:
+        signal.alarm(60)
+        solution.save(f"child{i}.h5")
+        os._exit(0)
+print(*(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children))
+"""
+
+
+@posix
+@pytest.mark.parametrize("first", ["", "import h5py\n"])
+def test_children_of_a_process_whose_first_file_is_being_saved_save_too(tmp_path, first):
+    """Its thread imports h5py at the fork, or has its lock; both processes' threads get that back."""
+    said = python(first + SAVING_FORKS, FOLDER=str(tmp_path))
+    assert said.stdout.split() == ["0"] * 10, said.stderr
+    assert len(list(tmp_path.glob("child*.h5"))) == 10
+
+
 DRAWING_FORKS = """
 import os, signal, threading, time
 from linecontact import Scene, solve
@@ -567,19 +596,35 @@ def test_work_for_a_page_that_is_closed_is_no_traceback(capsys, ended):
     assert ("AttributeError" in capsys.readouterr().err) != ended
 
 
-def test_ctrl_c_while_a_bar_begins_leaves_the_cursor(capsys, monkeypatch):
+@pytest.mark.parametrize("name", ["start", "stop"])
+def test_ctrl_c_while_a_bar_begins_or_ends_leaves_the_cursor(capsys, monkeypatch, name):
+    """After the begin, and before the end."""
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(console, "errors", type(console.errors)(stderr=True, highlight=False, force_terminal=True))
-    begin = console.Progress.start
-    monkeypatch.setattr(console.Progress, "start", lambda bar: (begin(bar), signal.raise_signal(signal.SIGINT)))
+    begin, end, stopped = console.Progress.start, console.Bar.end, []
+
+    def interrupted():
+        if not stopped:
+            stopped.append(True)
+            signal.raise_signal(signal.SIGINT)
+        end()
+
+    def command():
+        with console.Bar("work"):
+            return 0
+
+    if name == "start":
+        monkeypatch.setattr(console.Progress, "start", lambda bar: (begin(bar), signal.raise_signal(signal.SIGINT)))
+    else:
+        monkeypatch.setattr(console.Bar, "end", interrupted)
     ignored = signal.signal(signal.SIGINT, signal.default_int_handler)  # perhaps, in the background of a script
     try:
-        with pytest.raises(KeyboardInterrupt), console.Bar("work"):
-            raise AssertionError
+        assert console.guard(command) == 130
     finally:
         signal.signal(signal.SIGINT, ignored)
     said = capsys.readouterr().err
     assert said.rfind("\x1b[?25h") > said.rfind("\x1b[?25l") >= 0
+    assert not console.Bar.shown
 
 
 @pytest.mark.parametrize("bug", [NameError, AssertionError])
@@ -616,6 +661,29 @@ def test_what_ctrl_c_waits_for_is_said_where_it_takes_longer(monkeypatch, capsys
         signal.signal(signal.SIGINT, ignored)
     first = f"{console._WAIT}\n" * (pause > 0)
     assert " ".join(capsys.readouterr().err.split()) == " ".join(f"{first}linecontact: interrupted".split())
+
+
+@posix
+def test_ctrl_c_in_the_last_moment_of_a_command_leaves_no_alarm(monkeypatch):
+    """It comes while the command's own handlers are taken away."""
+
+    def late(*given):
+        monkeypatch.undo()
+        signal.raise_signal(signal.SIGINT)
+        return signal.signal(*given)
+
+    def command():
+        monkeypatch.setattr(signal, "signal", late)
+        return 0
+
+    before = signal.getsignal(signal.SIGALRM), sys.unraisablehook
+    ignored = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        assert console.guard(command) == 130
+    finally:
+        signal.signal(signal.SIGINT, ignored)
+    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0
+    assert before == (signal.getsignal(signal.SIGALRM), sys.unraisablehook)
 
 
 @posix

@@ -84,7 +84,13 @@ def _on_grids(run: Run, accuracy: float, of: str) -> Solution:
                 Choice("method", run.kind.name, "the fastest on every scene measured"),
                 Choice("tolerance", f"{tolerance:g}", "small beside the accuracy", iteration_share(tolerance)),
             ]
-            solution = finish(run, scene.on_grid(size), run.state.problem)
+            try:
+                of_grid = scene.on_grid(size)
+            except ValueError:
+                if run.status is Status.INTERRUPTED:  # on a grid that does not resolve the surface
+                    raise KeyboardInterrupt from None
+                raise
+            solution = finish(run, of_grid, run.state.problem)
             if not solution.levels:  # without a coarser grid nothing is known, and edges alone are not believed
                 unknown = replace(solution.observables, contact_area_error=1.0, kappa_error=math.inf)
                 solution = replace(solution, observables=unknown)

@@ -75,7 +75,7 @@ def plan_transforms(
 ) -> Transforms:
     """Transforms of N values, see `Transforms`.
 
-    way: one of `WAYS`, by default the fastest. Raises `ValueError`.
+    threads, planning: the caller has checked them. way: one of `WAYS`, by default the fastest. Raises `ValueError`.
     """
     if way is None:
         way = "four-step" if num_points >= FASTER and row_length(num_points) else "real"

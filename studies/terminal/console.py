@@ -110,6 +110,7 @@ class Bar:
     """Progress on standard error: a bar on a terminal, a plain line every `every` seconds elsewhere."""
 
     every = 5.0
+    shown: Progress | None = None
 
     def __init__(self, what: str) -> None:
         self._what, self._begin, self._said = what, time.monotonic(), time.monotonic()
@@ -122,19 +123,22 @@ class Bar:
         self._task = self._progress.add_task(what, total=1.0, state="")
 
     def __enter__(self) -> "Bar":
-        try:
-            if errors.is_terminal:  # elsewhere rich before 14.3 ends it with an empty line
-                with undivided():  # half begun it would hide the cursor for good
-                    self._progress.start()
-        except KeyboardInterrupt:
-            self.__exit__()
-            raise
+        if errors.is_terminal:  # elsewhere rich before 14.3 ends it with an empty line
+            Bar.shown = self._progress
+            with undivided():  # half begun it would hide the cursor for good
+                self._progress.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        if errors.is_terminal:
+        Bar.end()
+
+    @classmethod
+    def end(cls) -> None:
+        """Take away the bar that is shown, if any; Ctrl-C may have kept it from its own end."""
+        if cls.shown:
             with undivided():
-                self._progress.stop()
+                cls.shown.stop()
+                cls.shown = None
 
     def show(self, tell: Callable[[], tuple[float, str]]) -> None:
         """Show `tell()`: the share of the work that is done, 0 to 1, and a text to stand before the time left.
@@ -218,6 +222,8 @@ def guard(command: Callable[[], int], kept: str = "") -> int:
             raise
         errors.print(f"linecontact: {said}")
         return EXIT_BAD_INPUT
+    finally:
+        Bar.end()
 
 
 @contextlib.contextmanager
@@ -248,11 +254,15 @@ def _waiting_told() -> Iterator[None]:
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
-        sys.unraisablehook = hook
-        if signal.getsignal(signal.SIGALRM) is not alarm:
-            signal.setitimer(signal.ITIMER_REAL, 0)
-            signal.signal(signal.SIGALRM, alarm)
+        try:
+            if signal.getsignal(signal.SIGALRM) is not alarm:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGINT, before)
+        finally:  # Ctrl-C may come even now, and starts the timer
+            sys.unraisablehook = hook
+            if signal.getsignal(signal.SIGALRM) is not alarm:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+                signal.signal(signal.SIGALRM, alarm)
 
 
 def _refusal(error: Exception) -> str:
