@@ -235,9 +235,13 @@ def _waiting_told() -> Iterator[None]:
         yield
         return
 
+    def tell(*_: object) -> None:
+        with contextlib.suppress(RuntimeError):  # the alarm came while a line was being written
+            errors.print(_WAIT)
+
     def interrupt(_: int, frame: Any) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        signal.signal(signal.SIGALRM, lambda *_: errors.print(_WAIT))
+        signal.signal(signal.SIGALRM, tell)
         signal.setitimer(signal.ITIMER_REAL, _SOON)
         signal.default_int_handler(signal.SIGINT, frame)
 
