@@ -12,7 +12,7 @@ Made = TypeVar("Made")
 
 _GRIDS = 7  # whose results are kept, which is those of one scene on nested grids
 MOST_POINTS = 2**20
-"""Of a grid whose results are kept: they take up to 60 bytes a point."""
+"""Of a grid whose results are kept: they take some 100 bytes a point."""
 _BY_IDENTITY: Any = object.__hash__
 _clearing: list[Callable[[], None]] = []  # of every function: forgets what it has kept
 

@@ -1,10 +1,9 @@
 """The search for the contact nodes with the displacement of the free nodes as unknown.
 
 Where much of the period is in contact, few nodes are free, and K between them is short-ranged, so that this form of
-the same problem takes three quarters to a sixth of the iterations: K_FF u_F = p - K_FC h_C by preconditioned conjugate
-gradients. K u of all nodes is carried along; on the free nodes p - K u is the residual that the certificate looks at,
-too. An update puts free nodes that penetrate onto the wall, and sets those free that the wall would have to hold by
-pulling.
+the same problem takes fewer iterations: K_FF u_F = p - K_FC h_C by preconditioned conjugate gradients. K u of all nodes
+is carried along; on the free nodes p - K u is the residual that the certificate looks at, too. An update puts free
+nodes that penetrate onto the wall, and sets those free that the wall would have to hold by pulling.
 
 Not for layers whose longest waves are the stiffest, thin and incompressible ones: there K is long-ranged.
 """
