@@ -27,8 +27,7 @@ BUFFERS = threading.Lock()
 imported would stay so; of Warp's modules; of the launches that Warp records, beside which another launch would crash;
 of FFTW's planner and wisdom; and of the buffers that `solver.transforms.plain` keeps."""
 
-_IMPORTED = {"linecontact", "numpy", "pyfftw", "warp", "cupy", "h5py", "SurfaceTopography"}
-_IMPORTED |= {"matplotlib", "rich", "bokeh"}
+_IMPORTED = "linecontact", "numpy", "pyfftw", "warp", "cupy", "h5py", "matplotlib", "rich", "SurfaceTopography", "bokeh"
 """Packages whose imports end before a fork."""
 
 _taken = threading.local()

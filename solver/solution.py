@@ -88,7 +88,7 @@ class Solution(Value):
     planning: str
     """FFTW's planning effort."""
     backend: str
-    """The backend of the kernels on the finest grid."""
+    """The backend of the kernels."""
     reason: Reason | None = None
     """Why the status is not `CONVERGED`, and what would help; None if it is."""
     handed_over: bool = False

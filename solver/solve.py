@@ -204,7 +204,7 @@ def float32_floor(problem: Problem) -> float:
     The size of u, which hardly depends on the grid, is that on a coarse one. Ctrl-C meanwhile is passed on.
     """
     coarse = Problem.from_scene(problem.scene, min(problem.num_points, 2 * COARSEST))
-    state = DEFAULT.begin(coarse, ExecutionConfig(COARSE_TOLERANCE, backend="numpy"))
+    state = DEFAULT.begin(coarse, ExecutionConfig(COARSE_TOLERANCE))
     if relax(state, DEFAULT.max_iterations) is Status.INTERRUPTED:
         raise KeyboardInterrupt
     displacement = state.displacement * (coarse.length_unit / problem.length_unit)

@@ -1,8 +1,9 @@
 """The formulas of `solver/grid/edges.py` in NumPy, as the kernel `pressed_ends` has them: its reference."""
 
 import numpy as np
+from linecontact.kernels.layout import ALIKE, TURNS
 
-ALIKE, NARROWEST, TURNS = 0.15, 0.5, 3
+NARROWEST = 0.5
 
 
 def edge_offset(curve, pressures):
@@ -69,11 +70,12 @@ def in_patch(curve, patches, theta):
 
 
 def offsets(curve, patches, pressure, others):
-    """theta and how little the pressures look like an edge, shape (2, M) each, by turns."""
+    """theta and how little the pressures look like an edge, shape (2, M) each, by turns; the latter alone, (6, M)."""
     theta = np.full((2, patches.count), 0.5 - curve.shift)
     for _ in range(TURNS):
-        theta, _, spread = edge_offset(curve, ends(patches, pressure) / others(curve, patches, theta))
-    return theta, spread
+        alone = ends(patches, pressure) / others(curve, patches, theta)
+        theta, _, spread = edge_offset(curve, alone)
+    return theta, spread, np.moveaxis(alone, -1, 1).reshape(6, -1)
 
 
 def by_load(curve, patches, theta, known):

@@ -65,7 +65,7 @@ def test_what_other_rules_leave_beside_narrow_gaps(rule, beside_one, beside_ten)
                 width = patches.size[0] - 1 - theta.sum()
             if rule == "distance":
                 others = partial(edge_formulas.in_row, distance=lambda curve, theta: np.arange(3) - theta[..., None])
-                theta, _ = edge_formulas.offsets(curve, patches, pressure, others)
+                theta, _, _ = edge_formulas.offsets(curve, patches, pressure, others)
                 theta = theta + edge_formulas.by_load(curve, patches, theta, np.ones((2, 1), dtype=bool))
                 width = patches.size[0] - 1 - theta.sum()
             wrong.append(abs(width - (period - gap)) / 2)
@@ -161,13 +161,14 @@ def test_the_kernel_has_the_formulas(seed):
     pressure = np.sqrt(np.maximum(from_ends, 0)) * (1 + 0.1 * (seed % 3) * rng.random(patches.nodes.size))
     curves = half_space_curve(), layer_on_grid(Layer(3 / n, 0.5), n, 1.0).edge_curve
     for curve in curves:
-        theta, spread, _ = pressed_ends(curve, patches, pressure)
-        expected, off = edge_formulas.offsets(curve, patches, pressure, edge_formulas.in_patch)
+        theta, spread, alone = pressed_ends(curve, patches, pressure)
+        expected, off, pressures = edge_formulas.offsets(curve, patches, pressure, edge_formulas.in_patch)
+        np.testing.assert_allclose(alone, pressures, rtol=1e-9)
         np.testing.assert_allclose(theta, expected, atol=1e-9)
         np.testing.assert_allclose(spread, off, rtol=1e-6, atol=1e-9)
     told = patches.size > 2
     theta, spread, _ = pressed_ends(curves[0], patches, pressure, told)
-    expected, off = edge_formulas.offsets(curves[0], patches, pressure, edge_formulas.in_row)
+    expected, off, _ = edge_formulas.offsets(curves[0], patches, pressure, edge_formulas.in_row)
     known = told & (off < edge_formulas.ALIKE)
     assert known.any()
     expected = expected + edge_formulas.by_load(curves[0], patches, expected, known)

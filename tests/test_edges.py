@@ -28,7 +28,7 @@ from linecontact.solver.grid.prolong import prolong
 from linecontact.solver.layers.bonded import edge_shift
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.solver.strategy.grids import grids
-from linecontact.studies.edge_curve.scenes import by_scene
+from linecontact.studies.edge_curve.scenes import by_scene, from_two
 from linecontact.studies.files import study_files
 
 FEW_SPACINGS = [
@@ -80,7 +80,7 @@ def test_exact_edges_are_recovered():
         three, two, _ = edge_offset(curve, pressures)
         np.testing.assert_allclose(two, beta - curve.shift, atol=1e-11)
         np.testing.assert_allclose(three, beta - curve.shift, atol=1e-11)
-        np.testing.assert_allclose(curve.from_two(pressures[:, 0] / pressures[:, 1]), two, atol=1e-11)
+        np.testing.assert_allclose(from_two(curve, pressures[:, 0] / pressures[:, 1]), two, atol=1e-11)
 
 
 def test_beyond_the_last_contact_node_an_edge_has_no_pressure():

@@ -16,6 +16,7 @@ import pytest
 from linecontact import locks
 from linecontact.kernels import derived
 from linecontact.solver import MeasuredIndenter
+from linecontact.solver.transforms import plain
 from linecontact.studies.command_line import main
 from linecontact.studies.curve import report
 from linecontact.studies.explore.newest import Newest
@@ -125,6 +126,21 @@ def test_children_of_a_process_whose_first_file_is_being_saved_save_too(tmp_path
     said = python(first + SAVING_FORKS, FOLDER=str(tmp_path))
     assert said.stdout.split() == ["0"] * 10, said.stderr
     assert len(list(tmp_path.glob("child*.h5"))) == 10
+
+
+def test_the_end_of_a_plan_waits_for_no_other_thread():
+    """It may come with a collection of garbage, beside any lock; the plan goes with a later one."""
+    pairs = [plain.Pair(64), plain.Pair(64)]
+    for pair in pairs:
+        pair.forward()
+    with locks.PLANNING:
+        thread = threading.Thread(target=lambda: pairs.pop().__dict__.clear())
+        thread.start()
+        thread.join(60)
+        assert not thread.is_alive()
+    assert len(plain.Plan._ended) == 1
+    pairs.pop().__dict__.clear()
+    assert not plain.Plan._ended
 
 
 DRAWING_FORKS = """

@@ -71,14 +71,6 @@ class EdgeCurve:
         far_fields = np.linalg.inv(self.rows).T[::-1]
         return np.concatenate([[self.shift, self.delta, self.power], self.rows.ravel(), far_fields.ravel(), self.table])
 
-    def from_two(self, ratio: Array64) -> Array64:
-        """How far the edge lies inside the last node, -s to 1 - s, of the shape of ratio [grid spacings].
-
-        ratio: of the last node's pressure to the second last's.
-        """
-        two = self.table[0] - ratio * self.table[1]
-        return np.asarray(np.clip(two / (two + ratio * self.table[0]) - self.shift, -self.shift, 1 - self.shift))
-
     def at(self, j: Indices) -> Array64:
         """S_j, 0 for j < 0; a power of the distance from the edge beyond the table."""
         last = self.table.size - 1

@@ -126,7 +126,7 @@ def pressed_ends(
     """How far edges lie inside the last nodes, shape (2, M) [grid spacings], by the kernel of this name, see there; by
     how far two estimates of that differ, of that shape; the pressures without the effect of other ends, shape (6, M).
 
-    known: which patches may have the half-space's edge, and the effect of a row of patches, shape (M,); None: none.
+    known: patches that may have the half-space's edge, shape (M,); with it other ends act as those of a row of patches.
     """
     count, size = patches.count, patches.size
     given, ends = np.zeros((layout.PRESSED + 6, count)), np.zeros((layout.ALONE + 6, count))

@@ -137,7 +137,7 @@ class MethodKind:
     max_iterations: int
     """Limit of iterations where none is given."""
     precisions: tuple[str, ...] = ("float64",)
-    """Precisions that it can work in."""
+    """Precisions that it takes."""
     devices: tuple[str, ...] = ("cpu",)
     """Where it can work, see `ExecutionConfig.device`."""
     nested: bool = False

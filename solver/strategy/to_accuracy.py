@@ -25,7 +25,7 @@ def solve_to_accuracy(run: Run, accuracy: float, of: str) -> Solution:
     if not scene.indenter.power_law:  # that most likely needs no grid
         check_memory(scene.num_points)
     if scene.precision != "float64":
-        raise ValueError(f"precision is {scene.precision!r}; allowed: float64, accuracy chooses the precision")
+        raise ValueError(f"precision is {scene.precision!r}; allowed: float64, with an accuracy")
     run.tolerance = accuracy / 2
     solution = by_small_model(run, accuracy, of)
     return _judged(solution, accuracy, of) if solution else _on_grids(run, accuracy, of)

@@ -13,7 +13,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -70,8 +70,11 @@ class Plan:
     """A plan of FFTW's, made as `pyfftw.FFTW` is and done by calling it.
 
     pyFFTW takes its planner's lock to make and to remove one, and a child of a fork would wait for ever for a thread
-    of its parent that held it.
+    of its parent that held it. A collection of garbage may end a plan anywhere, beside any other lock, so it never
+    waits: what it cannot remove at once goes with a later one.
     """
+
+    _ended: ClassVar[list[Any]] = []
 
     def __init__(self, *arrays: Any, **options: Any) -> None:
         if locks.forked:
@@ -83,8 +86,10 @@ class Plan:
         self._execute()
 
     def __del__(self) -> None:
-        with PLANNING:
-            self.__dict__.clear()
+        self._ended.append(self.__dict__.pop("_execute", None))
+        if PLANNING.acquire(blocking=False):
+            self._ended.clear()
+            PLANNING.release()
 
 
 class Pair:

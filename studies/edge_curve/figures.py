@@ -8,7 +8,7 @@ from linecontact.solver.grid.layer_on_grid import layer_on_grid
 from matplotlib.figure import Figure
 
 from ..figures.style import COLOURS, MARKERS, ONE_COLUMN, legend_below, load, panels
-from .scenes import by_scene, layer_of
+from .scenes import by_scene, from_two, layer_of
 
 _FINE = 2**20  # points of the grid on which the closed forms are drawn; only the thickness in spacings matters
 
@@ -26,7 +26,7 @@ def draw(path: Path) -> dict[str, Figure]:
         curve = layer_on_grid(layer_of(kind, float(spacings) / _FINE, nu, base), _FINE, 1.0).edge_curve
         if curve.shift not in drawn:
             ratio = np.linspace(1e-3, curve.table[0] / curve.table[1], 200)
-            above.plot(ratio, curve.from_two(ratio), "k-", lw=0.7, zorder=1)
+            above.plot(ratio, from_two(curve, ratio), "k-", lw=0.7, zorder=1)
         drawn.add(curve.shift)
         x, offset = (np.array([run[name] for run in scenes[scene]]) for name in ("ratio", "offset"))
         label = f"$n={exponent:g}$, {_layer(kind, spacings, nu, base)}"

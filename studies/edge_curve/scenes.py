@@ -2,7 +2,10 @@
 
 from typing import Any
 
+import numpy as np
 from linecontact.solver import CoatedHalfSpace, Layer, SlidingLayer
+from linecontact.solver.arrays import Array64
+from linecontact.solver.grid.edge_curves import EdgeCurve
 from linecontact.solver.layers import ElasticLayer
 
 from ..files.study_files import StudyFile
@@ -17,6 +20,15 @@ def layer_of(kind: str, thickness: float, poisson_ratio: float, base_modulus: fl
     if kind == "coated":
         return CoatedHalfSpace(thickness, base_modulus, poisson_ratio)
     return SlidingLayer(thickness) if kind == "sliding" else Layer(thickness, poisson_ratio)
+
+
+def from_two(curve: EdgeCurve, ratio: Array64) -> Array64:
+    """How far the edge lies inside the last node, -s to 1 - s, of the shape of ratio [grid spacings].
+
+    ratio: of the last node's pressure to the second last's.
+    """
+    two = curve.table[0] - ratio * curve.table[1]
+    return np.asarray(np.clip(two / (two + ratio * curve.table[0]) - curve.shift, -curve.shift, 1 - curve.shift))
 
 
 def by_scene(file: StudyFile) -> dict[tuple[Any, ...], list[Record]]:

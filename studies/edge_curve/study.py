@@ -29,7 +29,7 @@ from ..runner.study import Plan, Study
 from ..runner.tasks import Record
 from ..terminal import console
 from . import few_nodes
-from .scenes import SCENE, by_scene, layer_of
+from .scenes import SCENE, by_scene, from_two, layer_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,7 +121,7 @@ class Task:
             "place": self.place,
             "ratio": float(ratio),
             "offset": float(n / 2 - asperity(load).half_width * n - patches.first[0]),
-            "offset.two_nodes": float(curve.from_two(ratio)),
+            "offset.two_nodes": float(from_two(curve, ratio)),
             "offset.three_nodes": float(three[0, 0]),
         }
 

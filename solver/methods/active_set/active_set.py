@@ -183,8 +183,7 @@ def begin(problem: Problem, config: ExecutionConfig) -> ActiveSet | FreeNodes:
 
 
 def _bytes_per_point(contact_share: float) -> float:
-    # measured on 2^23 and 2^24 points: 92 to 101 (2 % in contact), 116 (10 %), 152 (21 %), 163 (74 %), 188 (99.8 %)
-    # and up to 12 % more on 2^23 points with the arrays kept of coarser grids
+    # more than the peaks that docs/costs.md has, on 2^23 points and more: by 1.2 (2 % in contact) to 1.7 times (74 %)
     return 120 + min(360 * contact_share, 60 + 100 * contact_share)
 
 
