@@ -106,9 +106,8 @@ def test_every_method_finds_the_pressure(method):
     assert found.transform_pairs > 0
 
 
-@pytest.mark.parametrize("precision", ["float32", "mixed"])
-def test_where_rounding_is_coarse_few_solves_do(precision):
-    scene = Scene(Layer(0.1), num_points=2**11, precision=precision, approach=1e-3)
+def test_where_rounding_is_coarse_few_solves_do():
+    scene = Scene(Layer(0.1), num_points=2**11, precision="float32", approach=1e-3)
     found = solve(scene)
     assert found.status is Status.CONVERGED
     assert found.observables.approach == pytest.approx(1e-3, rel=1e-3)

@@ -157,7 +157,11 @@ def solve_counted(plans):
 
 @pytest.mark.parametrize(
     "options",
-    [{"precision": "mixed"}, {"precision": "float32", "threads": 2}, {"accuracy": 1e-2}],
+    [
+        {"precision": "mixed", "method": "mass-weighted-fire", "nested": True, "tolerance": 1e-3},
+        {"precision": "float32", "threads": 2},
+        {"accuracy": 1e-2},
+    ],
     ids=lambda options: "-".join(map(str, options.values())),
 )
 def test_a_second_solve_plans_nothing(wisdom_cache, solve_counted, options):
