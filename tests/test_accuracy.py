@@ -121,16 +121,9 @@ def test_rough_surfaces_on_thin_layers_take_the_grid():
     assert error(solution, full.observables.contact_area_subgrid) < 1e-2
 
 
-@pytest.mark.parametrize("noise", [0.0, 1e-13, 1e-9])
-def test_a_scene_that_is_nearly_even(noise):
-    """The contact of a scan and its mirror image is as even as its heights."""
-    heights = mirrored(2**14).heights
-    heights = heights + noise * np.ptp(heights) * np.random.default_rng(0).random(heights.size)
-    solution = solve(Scene(Layer(0.1), MeasuredIndenter(heights, convention="gap"), 1e-2, num_points=2**14))
-    assert solution.status is Status.CONVERGED
-    assert not solution.handed_over
-    pressure = solution.contact_pressure
-    np.testing.assert_allclose(pressure, pressure[::-1], rtol=0, atol=(1e-5 + 1e4 * noise) * pressure.max())
+def test_the_contact_of_a_scan_and_its_mirror_image_is_even():
+    pressure = solve(Scene(Layer(0.1), mirrored(2**14), 1e-2, num_points=2**14)).contact_pressure
+    np.testing.assert_allclose(pressure, pressure[::-1], rtol=0, atol=1e-5 * pressure.max())
 
 
 def test_the_grid_is_the_coarsest_that_will_do():

@@ -219,15 +219,6 @@ def test_thousands_of_patches_whose_sets_would_keep_changing():
     assert solution.observables.num_patches > 5000
 
 
-@pytest.mark.parametrize("hurst", [0.3, 0.8])
-@pytest.mark.parametrize("thickness", [math.inf, 0.01])
-def test_a_cold_start_has_about_as_much_contact_as_the_solution(hurst, thickness):
-    scene = Scene(Layer(thickness, 0.25), RoughIndenter(hurst, 1, 1 / 8, 1 / 16), 0.01, num_points=2**12)
-    problem, contact = Problem.from_scene(scene), solve(scene).contact.sum()
-    start = (foundation_pressure(problem) > 0).sum()
-    assert contact / 3 < start < 3 * contact
-
-
 def test_a_flat_profile_starts_in_full_contact():
     wave = MeasuredIndenter(1 - np.cos(2 * np.pi * np.arange(16) / 16), convention="gap")
     flat = replace(Problem.from_scene(Scene(indenter=wave, num_points=16)), height=np.zeros(16))

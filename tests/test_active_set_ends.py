@@ -17,10 +17,9 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.endings import Cause
-from linecontact.solver.grid.problem import Problem, foundation_pressure
+from linecontact.solver.grid.problem import foundation_pressure
 from linecontact.solver.methods import ExecutionConfig, active_set
 from linecontact.solver.methods.active_set.active_set import ActiveSet
-from linecontact.solver.methods.active_set.surface import ContactSet
 from linecontact.solver.strategy import run as attempts
 from linecontact.solver.strategy.run import Run
 
@@ -164,25 +163,6 @@ def test_interrupted_anywhere(monkeypatch, where, nested):
     solution = solve(Scene(num_points=2**12), nested=nested)
     assert solution.status is Status.INTERRUPTED
     assert (solution.displacement <= solution.scene.profile).all()
-
-
-def test_sets_that_come_back_are_noticed():
-    """Alternating sets: decided on more accurate solutions, given up in the end."""
-    problem = Problem.from_scene(Scene(num_points=256))
-    state = active_set.begin(problem, ExecutionConfig(1e-8))
-    state.start_from_pressure(np.zeros(256))
-    state.step()
-    first = np.sort(state._set.nodes)
-    for turn in range(40):
-        nodes = first if turn % 2 else first[1:]
-        state._set = ContactSet.of(nodes, np.ones(nodes.size), 256)
-        state._surface.renew(state._set)
-        state._set.pressure[-1] = -1.0  # always one node to drop
-        state._update_set()
-        if state.stopped:
-            break
-    assert state.stopped
-    assert state._cautious
 
 
 def test_interrupted_on_a_coarse_grid(monkeypatch):

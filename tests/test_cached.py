@@ -21,9 +21,7 @@ from linecontact.solver import (
 from linecontact.solver.grid import cached as cached_module
 from linecontact.solver.grid.cached import cached, forget
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.methods import active_set
 from linecontact.solver.methods.active_set.fields import Everywhere
-from linecontact.solver.methods.method import ExecutionConfig
 
 ROUGH = RoughIndenter(0.8, 0, cut_off_ratio=1 / 32)
 SCENES = [
@@ -80,17 +78,6 @@ def test_fields_serve_one_solve_after_the_other(pressure, monkeypatch):
     np.testing.assert_array_equal(first.displacement, before)
     solve(replace(scene, precision="float32"))
     assert len(made) > 2 * grids
-
-
-def test_fields_that_are_in_use_are_not_lent_again():
-    forget()
-    problem, setting = Problem.from_scene(SCENES[1]), ExecutionConfig(1e-8)
-    first, second = active_set.begin(problem, setting), active_set.begin(problem, setting)
-    fields = [method._surface._all.field for method in (first, second)]
-    assert fields[0] is not fields[1]
-    del first
-    third = active_set.begin(problem, setting)
-    assert third._surface._all.field is fields[0]
 
 
 def test_nothing_that_is_kept_can_be_changed():

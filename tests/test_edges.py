@@ -294,24 +294,6 @@ def test_nested_grids_tell_the_discretisation_error():
     assert single.observables.peak_pressure_error == single.observables.approach_error == math.inf
 
 
-@pytest.mark.parametrize("exponent", [1.5, 2.0, 4.0])
-def test_periodic_closed_form(exponent):
-    exact = closed_forms.periodic_half_space_area(exponent, 1.0, 2e-3)
-    found = solve(Scene(indenter=PowerIndenter(exponent), num_points=2**12)).observables
-    assert abs(found.contact_area_subgrid - exact) < 0.01 / 2**12
-
-
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
-def test_westergaard(share):
-    """A sinusoidal indenter, given point by point."""
-    n, amplitude = 2**11, 1e-2
-    load = math.pi * amplitude * math.sin(math.pi * share / 2) ** 2
-    heights = amplitude * (1 - np.cos(2 * np.pi * np.arange(n) / n))
-    found = solve(Scene(indenter=MeasuredIndenter(heights, convention="gap"), pressure=load, num_points=n)).observables
-    assert abs(found.contact_area_subgrid - share) < 0.01 / n
-    assert abs(found.contact_area_subgrid - share) < found.contact_area_error
-
-
 def test_small_patches_are_counted_and_flagged():
     heights = np.ones(256)
     heights[[20, 90, 91, 200, 201, 202, 203]] = 0

@@ -117,20 +117,6 @@ def test_columns_against_reference(kernel, num_rows, precision):
         assert kept.sum() == num_rows * (layout.STRIDE - layout.COLUMNS)
 
 
-def test_packed_columns_are_what_was_unpacked():
-    """With twiddle factors of size 1, but for a factor of 2; the first and the last row stand for themselves."""
-    rng, num_rows = np.random.default_rng(0), 16
-    turns = np.exp(2j * np.pi * rng.random(layout.COLUMNS * 16)).view(float)
-    near, far = turns[: padded_length(2 * layout.COLUMNS * 9)], np.ones(padded_length(18))
-    far[1::2] = 0
-    columns, back = rng.standard_normal(num_rows * layout.STRIDE), np.zeros(num_rows * layout.STRIDE)
-    spectra = np.zeros(near.size)
-    record("warp", [Call("unpack_columns", (near, far, columns), (spectra,))])()
-    record("warp", [Call("pack_columns", (near, far, spectra), (back,))])()
-    found, given = (each.reshape(-1, layout.STRIDE)[:, : layout.COLUMNS] for each in (back, columns))
-    np.testing.assert_allclose(found, given, atol=1e-14)
-
-
 def test_chunks_shorter_than_a_row_of_columns_are_refused():
     with pytest.raises(ValueError, match="chunk is 64; allowed for unpack_columns: at least 128, a row of it"):
         recompile({"unpack_columns"}, 64, None)
