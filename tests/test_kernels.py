@@ -12,7 +12,7 @@ import warp as wp
 from linecontact.kernels import CHUNK, KERNELS, Call, layout, padded_length, recompile, record
 
 PRECISIONS = ["float32", "float64"]
-LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
+LENGTHS = [1, CHUNK, 2 * CHUNK + 17]
 
 ELEMENTWISE = {
     "spectral_multiply": ("coefficient", "spectrum"),
@@ -91,7 +91,7 @@ def test_kernel_against_reference(kernel, length, precision):
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("num_rows", [2, 8, 15, 30, 64])
+@pytest.mark.parametrize("num_rows", [2, 15, 64])
 @pytest.mark.parametrize("kernel", OF_COLUMNS)
 def test_columns_against_reference(kernel, num_rows, precision):
     """What is not theirs, padding of the columns and spectra beyond the last, stays as it is."""
