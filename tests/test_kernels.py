@@ -245,20 +245,6 @@ def test_a_recording_waits_while_another_thread_records_a_graph(monkeypatch):
     assert other[0] == other[-1] == 4.0
 
 
-@pytest.mark.parametrize("flags", [None, "-O1"])
-def test_kernels_with_another_chunk_and_other_flags(flags):
-    kernel = recompile(["restrict_to_free"], 256, flags)["restrict_to_free"]
-    import warp as wp
-
-    rng = np.random.default_rng(0)
-    force, field = rng.standard_normal(1024) * (rng.random(1024) < 0.5), rng.standard_normal(1024)
-    expected, squares = np.where(force == 0, 0, field), np.zeros(4)
-    arrays = [wp.array(x, dtype=wp.float64, copy=False, device="cpu") for x in (force, field, squares)]
-    wp.launch(kernel, dim=4, inputs=arrays, device="cpu")
-    np.testing.assert_array_equal(field, expected)
-    np.testing.assert_allclose(squares, (expected**2).reshape(4, 256).sum(axis=1), rtol=1e-14)
-
-
 @pytest.fixture(scope="module")
 def compiled_afresh(tmp_path_factory):
     """What two processes say that load the kernels, the first with an empty cache; and the C++ that it compiled.
