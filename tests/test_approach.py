@@ -269,8 +269,8 @@ def test_contact_stiffness_of_few_nodes_on_thin_layers(spacings, most, width):
     assert coarse.contact_stiffness == pytest.approx(fine.contact_stiffness, rel=most)
 
 
-@pytest.mark.parametrize("num_points", [2**8, 2**10, 2**14])
-@pytest.mark.parametrize("share", [0.1, 0.317, 0.5, 0.8])
+@pytest.mark.parametrize("num_points", [2**8, 2**14])
+@pytest.mark.parametrize("share", [0.1, 0.317, 0.8])
 def test_contact_stiffness_under_a_sine_wave(num_points, share):
     """Westergaard: sin^2(pi a/L) = p L/(pi E* D) and d(approach)/dp = -(2 L/(pi E*)) ln sin(pi a/L); second order."""
     x = np.arange(num_points) / num_points

@@ -19,8 +19,8 @@ def test_reference_values():
         assert collocation.solve_layer(Layer(d, 0.25), 2e-3, 2.0, 1.0).contact_area == pytest.approx(area, abs=1e-12)
 
 
-@pytest.mark.parametrize("nu", [-0.5, 0.0, 0.45, 0.5])
-@pytest.mark.parametrize("d", [1.0, 0.1, 1e-2, 1e-3])
+@pytest.mark.parametrize("nu", [-0.5, 0.45, 0.5])
+@pytest.mark.parametrize("d", [1.0, 1e-2, 1e-3])
 def test_more_nodes_change_nothing(nu, d):
     coarse = collocation.solve_layer(Layer(d, nu), 2e-3, 2.0, 1.0)
     fine = collocation.solve_layer(Layer(d, nu), 2e-3, 2.0, 1.0, num_nodes=4 * coarse.t.size)

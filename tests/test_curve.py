@@ -235,13 +235,11 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
         ),
         ("--over youngs_modulus --from 1 --to 10", "over is 'youngs_modulus'; allowed: contact_modulus, E/(1 - nu^2)"),
         ("--from 1kPa --to 2kPa", "from is '1kPa'; allowed: a number alone, the pressures of this scene"),
-        ("--values 1e-3,2e-3 --points 3", "points is 3; allowed: none with --values"),
         ("--values 1e-3,2e-3 --points 30", "points is 30; allowed: none with --values"),
         (
             "--over seed --profile rough --cut-off-ratio 0.25 --from 0.5 --to 3",
             "to is 3, and from 0.5; allowed: integers",
         ),
-        ("--over thickness --from first --to 1", "from is 'first'; allowed: a number\n"),
         ("--values 1e-3,,2e-3", "values is ''; allowed: a number"),
         ("--values 9^9999", "values is '9^9999'; allowed: a number"),
         (

@@ -157,7 +157,7 @@ def test_wide_patches_on_thin_layers_have_edges_to_the_first_order_only():
         assert abs(there.width[0] - exact) < there.total_error()
 
 
-@pytest.mark.parametrize("nu", [-0.5, 0.0, 0.25, 0.45, 0.49, 0.5])
+@pytest.mark.parametrize("nu", [-0.5, 0.25, 0.49, 0.5])
 @pytest.mark.parametrize("spacings", [0.3, 1.0, 2.6, 6.0])
 def test_layers_of_few_spacings_have_an_edge_of_their_own(nu, spacings):
     """To 0.005 spacings an edge, in contacts of 20 nodes; the half-space's curve is off by 0.2 to 0.35 there."""

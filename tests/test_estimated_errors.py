@@ -560,7 +560,7 @@ class Wedge(Indenter):
 
 @pytest.mark.parametrize("num_points", [2**12, 2**14])
 @pytest.mark.parametrize("pressure", [0.002, 0.01, 0.04])
-@pytest.mark.parametrize("beside", [0.0, 0.3, 0.5, 1.5, 2.0])
+@pytest.mark.parametrize("beside", [0.0, 0.3, 1.5])
 def test_kappa_where_slopes_are_differences_across_a_kink(beside, pressure, num_points):
     """Half-space: p/E* = (s/pi) arsinh(tan(pi a/L)), the integral of `closed_forms` for h' = s; kappa = a_r s E*/p."""
     found = solve(Scene(Layer(), Wedge(beside), pressure, num_points=num_points)).observables
@@ -713,7 +713,7 @@ def test_a_change_that_is_small_by_chance_is_not_believed(layer, exponent, press
     assert abs(value - true) < error < 5e-3 * true
 
 
-@pytest.mark.parametrize("num_points", [4, 5, 6, 7, 8, 9, 16])
+@pytest.mark.parametrize("num_points", [4, 5, 8, 16])
 @pytest.mark.parametrize("exponent", [1.1, 2.0, 3.0])
 @pytest.mark.parametrize("over_full", [1.0001, 1.5])
 def test_a_full_contact_of_few_nodes_is_not_known(num_points, exponent, over_full):

@@ -70,7 +70,7 @@ def test_small_and_odd_grids_against_every_contact_set(num_points, layer):
         np.testing.assert_allclose(solution.contact_pressure / scene.pressure, np.where(contact, force, 0), atol=1e-8)
 
 
-@pytest.mark.parametrize("power", [-30, -7, 7, 30])
+@pytest.mark.parametrize("power", [-30, 7])
 @pytest.mark.parametrize("method", ["active-set", "mass-weighted-fire", "fire"])
 def test_units_change_nothing(power, method):
     scene = Scene(Layer(0.03, 0.4), PowerIndenter(1.5, 2.0), 3e-3, num_points=243)
