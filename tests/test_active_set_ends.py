@@ -122,13 +122,6 @@ def test_grids_that_were_not_solved_do_not_count_in_an_estimated_error():
     assert off < 2 * (fine.contact_area_error + coarse.contact_area_error)
 
 
-def test_a_hand_over_in_vain_is_bounded(monkeypatch):
-    scene = Scene(CoatedHalfSpace(3e-3, base_modulus=1e-5), PowerIndenter(2), pressure=1e-4, num_points=2**10)
-    where_no_search_is_cautious(monkeypatch)
-    monkeypatch.setattr(attempts, "_MOST_WORK", 200 * 2**10)
-    assert solve(scene).iterations == 2200
-
-
 def test_after_a_hand_over_in_vain_the_status_is_the_first_method_s(monkeypatch):
     monkeypatch.setattr(ActiveSet, "_update_set", lambda self: setattr(self, "stopped", True) or True)
     monkeypatch.setattr(attempts, "_MOST_WORK", 2**10)  # one iteration more
@@ -144,13 +137,6 @@ def test_every_grid_of_an_accuracy_begins_with_the_search_s_own_limit():
         run.allow(iterations)
         found.append(run.left)
     assert found == [20_000, 2000]
-
-
-def test_hand_over_keeps_the_limit(monkeypatch):
-    monkeypatch.setattr(ActiveSet, "_update_set", lambda self: setattr(self, "stopped", True) or True)
-    solution = solve(Scene(Layer(0.1), num_points=2**10), nested=False, max_iterations=9)
-    assert solution.status is Status.ITERATION_LIMIT
-    assert solution.iterations == 9
 
 
 @pytest.mark.parametrize("where", ["step", "start_from_pressure"])

@@ -22,7 +22,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.calibration import FITTED
 from linecontact.solver.grid.contact import contact_edges
-from linecontact.solver.grid.errors import estimated, left_at_ends
+from linecontact.solver.grid.errors import estimated
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.grid.unseen import unseen_gaps, unseen_patches
@@ -148,25 +148,6 @@ def test_a_residual_that_is_left_near_the_ends(thickness, exponent, pressure, nu
     off = abs(found.contact_area_subgrid - exact.contact_area_subgrid)
     assert off < found.contact_area_error < 10 * off
     assert abs(found.kappa_subgrid - exact.kappa_subgrid) < found.kappa_error
-
-
-def test_a_residual_leaves_little_at_the_ends_of_a_half_space():
-    solution = solve(Scene(Layer(), RoughIndenter(0.8, 1, cut_off_ratio=1 / 64), 0.01, num_points=2**12))
-    patches = Patches.of(solution.contact)
-    left = left_at_ends(1e-3, patches, solution.contact_pressure)
-    assert 0 < left < 4e-4 * solution.observables.contact_area
-    whole = Patches.of(np.ones(8, dtype=bool))
-    assert left_at_ends(1e-4, whole, np.ones(8)) == 0
-    # all four nodes carry less than the residual leaves of it; then two of them; then hardly less than they carry
-    one = Patches.of(np.array([0, 1, 1, 1, 1, 0, 0, 0], dtype=bool))
-    pressure = np.array([0, 1.0, 7, 7, 1, 0, 0, 0])
-    assert left_at_ends(10.0, one, pressure) == 4 / 8
-    assert left_at_ends(2.5, one, pressure) == pytest.approx((2 + 2 * 5 / 7) / 8)
-    assert left_at_ends(2 / 5, one, pressure) == pytest.approx(2 * 0.8 / 8)
-    # two patches, one of them over the end of the period, the other one below the error
-    two = Patches.of(np.array([1, 1, 0, 1, 0, 0, 1, 1], dtype=bool))
-    pressure = np.array([5, 1, 0, 0.1, 0, 0, 1, 5.0])
-    assert left_at_ends(0.5 / pressure.mean(), two, pressure) == pytest.approx(math.hypot(1, 0.5 + 0.5) / 8)
 
 
 @pytest.mark.parametrize(
