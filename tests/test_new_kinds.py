@@ -100,6 +100,7 @@ class ProjectedGradient(Method):
     transform_pairs = 0.0
     residual = math.inf
     stopped = False
+    patience = None
 
     def __init__(self, problem, setting):
         self.problem, self.tolerance = problem, setting.tolerance
@@ -129,10 +130,6 @@ class ProjectedGradient(Method):
     @property
     def contact_pressure(self):
         return self.problem.wall_pressure(self._u)
-
-    @property
-    def patience(self):
-        return None
 
 
 PROJECTED = MethodKind(
