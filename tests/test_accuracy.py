@@ -172,11 +172,6 @@ def test_fields_of_a_tiny_asperity_carry_the_load():
     assert o.reduced_pressure * o.kappa == pytest.approx(o.contact_area)
 
 
-def test_collocation_does_not_outgrow_the_memory():
-    with pytest.raises(ValueError, match="thickness is 1e-07"):
-        collocation.solve_layer(Layer(1e-7, 0.25), 0.03, 2.0, 1e5)
-
-
 @pytest.mark.parametrize("options", [{"accuracy": 1e-2}, {"tolerance": 1e-8}])
 def test_an_interrupted_iteration_returns_what_there_is(options, monkeypatch):
     """To an accuracy as to a tolerance; and what was interrupted before any iteration passes it on."""

@@ -346,8 +346,7 @@ def test_read_rightly(tmp_path, name):
         assert scan.period == pytest.approx(COUNT * 1e-6)
         assert np.ptp(scan.indenter.heights) == pytest.approx(6e-9)
         return
-    spacing = 1e-6 if name == "one a micrometre" else SPACING
-    assert scan.period == pytest.approx(COUNT * spacing * length, rel=2e-5 if whole else 1e-4)
+    assert scan.period == pytest.approx(COUNT * SPACING * length, rel=2e-5 if whole else 1e-4)
     got, expected = scan.indenter.heights / length, HEIGHTS.max() - HEIGHTS
     error = np.abs(got - expected).max()
     assert error < (5e-15 if whole else 0.1 * np.ptp(HEIGHTS)), name

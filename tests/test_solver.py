@@ -311,6 +311,8 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: solve(hertz(), tolerance=1.0), "tolerance is 1.0"),
         (lambda: solve(hertz(num_points=2**21, precision="float32")), "num_points is 2097152"),
         (lambda: collocation.solve_layer(Layer(1.0, 0.3), -1.0, 2.0, 1.0), "load is -1"),
+        (lambda: collocation.solve_layer(Layer(), 10.0, 2.0, 1.0), "load is 10"),  # beyond its reach
+        (lambda: collocation.solve_layer(Layer(1e-7, 0.25), 0.03, 2.0, 1e5), "thickness is 1e-07"),  # or the memory
         (lambda: collocation.solve_layer(Layer(1.0, 0.3), 1e-3, 2.0, 1.0, 7), "num_nodes is 7"),
         (lambda: solve(hertz(), max_iterations=0), "max_iterations is 0"),
         (lambda: solve(hertz(), threads=0), "threads"),
