@@ -55,10 +55,10 @@ def around(patches, theta):
     return width, np.maximum(patches.gap + 1 + theta + facing, NARROWEST)
 
 
-def in_row(curve, patches, theta, distance=edge_distance):
+def in_row(curve, patches, theta):
     """The factor that all other ends of a row of such patches and gaps give to the last three pressures."""
     width, gap = (of[..., None] for of in np.broadcast_arrays(*around(patches, theta)))
-    wave, away = np.pi / (width + gap), np.minimum(distance(curve, theta), width)
+    wave, away = np.pi / (width + gap), np.minimum(edge_distance(curve, theta), width)
     beyond = np.sin(wave * np.maximum(width - away, NARROWEST)) * np.sinc(wave / np.pi * away)
     return np.sin(wave * (gap / 2 + away)) * np.sqrt(beyond)
 

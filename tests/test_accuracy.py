@@ -26,11 +26,6 @@ def error(solution, exact):
     return abs(solution.observables.contact_area_subgrid / exact - 1)
 
 
-def mirrored(num_points):
-    half = ROUGH.profile(num_points // 2, 1.0)
-    return MeasuredIndenter(np.concatenate([half, half[::-1]]), convention="gap")
-
-
 def test_a_thick_layer_is_as_accurate_as_a_half_space():
     scene = Scene(Layer(1.8, 0.3), ROUGH, 1e-2, num_points=2**14)
     solution, full = solve(scene, accuracy=1e-3), solve(scene)
@@ -121,16 +116,11 @@ def test_rough_surfaces_on_thin_layers_take_the_grid():
     assert error(solution, full.observables.contact_area_subgrid) < 1e-2
 
 
-@pytest.mark.parametrize("noise", [0.0, 1e-13, 1e-9])
-def test_a_scene_that_is_nearly_even(noise):
-    """The contact of a scan and its mirror image is as even as its heights."""
-    heights = mirrored(2**14).heights
-    heights = heights + noise * np.ptp(heights) * np.random.default_rng(0).random(heights.size)
-    solution = solve(Scene(Layer(0.1), MeasuredIndenter(heights, convention="gap"), 1e-2, num_points=2**14))
-    assert solution.status is Status.CONVERGED
-    assert not solution.handed_over
-    pressure = solution.contact_pressure
-    np.testing.assert_allclose(pressure, pressure[::-1], rtol=0, atol=(1e-5 + 1e4 * noise) * pressure.max())
+def test_the_contact_of_a_scan_and_its_mirror_image_is_even():
+    half = ROUGH.profile(2**13, 1.0)
+    scan = MeasuredIndenter(np.concatenate([half, half[::-1]]), convention="gap")
+    pressure = solve(Scene(Layer(0.1), scan, 1e-2, num_points=2**14)).contact_pressure
+    np.testing.assert_allclose(pressure, pressure[::-1], rtol=0, atol=1e-5 * pressure.max())
 
 
 def test_the_grid_is_the_coarsest_that_will_do():
@@ -180,11 +170,6 @@ def test_fields_of_a_tiny_asperity_carry_the_load():
     assert o.kappa == o.kappa_subgrid
     assert o.kappa_ratio == pytest.approx(1.0, abs=1e-5)
     assert o.reduced_pressure * o.kappa == pytest.approx(o.contact_area)
-
-
-def test_collocation_does_not_outgrow_the_memory():
-    with pytest.raises(ValueError, match="thickness is 1e-07"):
-        collocation.solve_layer(Layer(1e-7, 0.25), 0.03, 2.0, 1e5)
 
 
 @pytest.mark.parametrize("options", [{"accuracy": 1e-2}, {"tolerance": 1e-8}])

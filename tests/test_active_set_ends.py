@@ -17,10 +17,9 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.endings import Cause
-from linecontact.solver.grid.problem import Problem, foundation_pressure
+from linecontact.solver.grid.problem import foundation_pressure
 from linecontact.solver.methods import ExecutionConfig, active_set
 from linecontact.solver.methods.active_set.active_set import ActiveSet
-from linecontact.solver.methods.active_set.surface import ContactSet
 from linecontact.solver.strategy import run as attempts
 from linecontact.solver.strategy.run import Run
 
@@ -123,13 +122,6 @@ def test_grids_that_were_not_solved_do_not_count_in_an_estimated_error():
     assert off < 2 * (fine.contact_area_error + coarse.contact_area_error)
 
 
-def test_a_hand_over_in_vain_is_bounded(monkeypatch):
-    scene = Scene(CoatedHalfSpace(3e-3, base_modulus=1e-5), PowerIndenter(2), pressure=1e-4, num_points=2**10)
-    where_no_search_is_cautious(monkeypatch)
-    monkeypatch.setattr(attempts, "_MOST_WORK", 200 * 2**10)
-    assert solve(scene).iterations == 2200
-
-
 def test_after_a_hand_over_in_vain_the_status_is_the_first_method_s(monkeypatch):
     monkeypatch.setattr(ActiveSet, "_update_set", lambda self: setattr(self, "stopped", True) or True)
     monkeypatch.setattr(attempts, "_MOST_WORK", 2**10)  # one iteration more
@@ -147,13 +139,6 @@ def test_every_grid_of_an_accuracy_begins_with_the_search_s_own_limit():
     assert found == [20_000, 2000]
 
 
-def test_hand_over_keeps_the_limit(monkeypatch):
-    monkeypatch.setattr(ActiveSet, "_update_set", lambda self: setattr(self, "stopped", True) or True)
-    solution = solve(Scene(Layer(0.1), num_points=2**10), nested=False, max_iterations=9)
-    assert solution.status is Status.ITERATION_LIMIT
-    assert solution.iterations == 9
-
-
 @pytest.mark.parametrize("where", ["step", "start_from_pressure"])
 @pytest.mark.parametrize("nested", [True, False])
 def test_interrupted_anywhere(monkeypatch, where, nested):
@@ -164,25 +149,6 @@ def test_interrupted_anywhere(monkeypatch, where, nested):
     solution = solve(Scene(num_points=2**12), nested=nested)
     assert solution.status is Status.INTERRUPTED
     assert (solution.displacement <= solution.scene.profile).all()
-
-
-def test_sets_that_come_back_are_noticed():
-    """Alternating sets: decided on more accurate solutions, given up in the end."""
-    problem = Problem.from_scene(Scene(num_points=256))
-    state = active_set.begin(problem, ExecutionConfig(1e-8))
-    state.start_from_pressure(np.zeros(256))
-    state.step()
-    first = np.sort(state._set.nodes)
-    for turn in range(40):
-        nodes = first if turn % 2 else first[1:]
-        state._set = ContactSet.of(nodes, np.ones(nodes.size), 256)
-        state._surface.renew(state._set)
-        state._set.pressure[-1] = -1.0  # always one node to drop
-        state._update_set()
-        if state.stopped:
-            break
-    assert state.stopped
-    assert state._cautious
 
 
 def test_interrupted_on_a_coarse_grid(monkeypatch):

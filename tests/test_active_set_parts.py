@@ -75,8 +75,7 @@ def test_one_factor_inverts_every_patch(d, nu):
         np.testing.assert_allclose(inverse @ green[:m, :m], np.eye(m), atol=1e-9)
 
 
-@pytest.mark.parametrize("longest", [256, 16])
-@pytest.mark.parametrize("unknowns", [100, 3])
+@pytest.mark.parametrize(("longest", "unknowns"), [(256, 100), (16, 3)])
 @pytest.mark.parametrize(("d", "nu"), LAYERS)
 def test_preconditioner(d, nu, unknowns, longest, monkeypatch):
     """Symmetric, positive on loads of zero sum, near the inverse; long patches and shared unknowns included."""

@@ -106,9 +106,8 @@ def test_every_method_finds_the_pressure(method):
     assert found.transform_pairs > 0
 
 
-@pytest.mark.parametrize("precision", ["float32", "mixed"])
-def test_where_rounding_is_coarse_few_solves_do(precision):
-    scene = Scene(Layer(0.1), num_points=2**11, precision=precision, approach=1e-3)
+def test_where_rounding_is_coarse_few_solves_do():
+    scene = Scene(Layer(0.1), num_points=2**11, precision="float32", approach=1e-3)
     found = solve(scene)
     assert found.status is Status.CONVERGED
     assert found.observables.approach == pytest.approx(1e-3, rel=1e-3)
@@ -208,20 +207,26 @@ def test_the_command_takes_an_approach(capsys):
     assert capsys.readouterr().err.startswith("linecontact: approach is 1; allowed: up to 0.041666")
 
 
-@pytest.mark.parametrize("indenter", [PowerIndenter(), PowerIndenter(1.5), ROUGH])
-@pytest.mark.parametrize("layer", LAYERS)
-def test_compliance_is_the_derivative_on_the_grid(layer, indenter):
+@pytest.mark.parametrize(
+    ("layer", "indenter", "load"),
+    [
+        *((layer, indenter, 0.01) for layer in LAYERS for indenter in (PowerIndenter(), PowerIndenter(1.5), ROUGH)),
+        # nodes may pull there
+        *((CoatedHalfSpace(0.01, 3e-3), RoughIndenter(0.8, seed, 0.25, 1 / 32), 1e-3) for seed in (0, 2, 3)),
+    ],
+)
+def test_compliance_is_the_derivative_on_the_grid(layer, indenter, load):
     """Against central differences of the approach, over a step that leaves the contact as it is."""
     step = 1e-6
-    scene = Scene(layer, indenter, 0.01, num_points=2**11)
+    scene = Scene(layer, indenter, load, num_points=2**11)
     middle = solve(scene, tolerance=1e-12)
-    low, high = (solve(replace(scene, pressure=0.01 * (1 + k * step)), tolerance=1e-12) for k in (-1, 1))
+    low, high = (solve(replace(scene, pressure=load * (1 + k * step)), tolerance=1e-12) for k in (-1, 1))
     assert (low.contact == high.contact).all()
     rise = high.observables.approach - low.observables.approach
     # the approach of 12 digits, over a difference that leaves 2e-6 of it
     bound = 1e-6 + 2e-15 * middle.observables.approach / rise
     compliance, *_ = flat_punch(Problem.from_scene(scene), middle.contact)
-    assert compliance == pytest.approx(rise / (2 * step * 0.01), rel=bound)
+    assert compliance == pytest.approx(rise / (2 * step * load), rel=bound)
 
 
 @pytest.mark.parametrize("layer", [Layer(), Layer(0.1), Layer(1e-3, 0.3), Layer(1e-3, 0.5)])
@@ -270,8 +275,8 @@ def test_contact_stiffness_of_few_nodes_on_thin_layers(spacings, most, width):
     assert coarse.contact_stiffness == pytest.approx(fine.contact_stiffness, rel=most)
 
 
-@pytest.mark.parametrize("num_points", [2**8, 2**10, 2**14])
-@pytest.mark.parametrize("share", [0.1, 0.317, 0.5, 0.8])
+@pytest.mark.parametrize("num_points", [2**8, 2**14])
+@pytest.mark.parametrize("share", [0.1, 0.317, 0.8])
 def test_contact_stiffness_under_a_sine_wave(num_points, share):
     """Westergaard: sin^2(pi a/L) = p L/(pi E* D) and d(approach)/dp = -(2 L/(pi E*)) ln sin(pi a/L); second order."""
     x = np.arange(num_points) / num_points
@@ -284,25 +289,23 @@ def test_contact_stiffness_under_a_sine_wave(num_points, share):
     assert contact_stiffness(solution) == solution.contact_stiffness
 
 
-@pytest.mark.parametrize("layer", [Layer(0.1, 0.3), Layer(0.02, 0.5), SlidingLayer(0.03), CoatedHalfSpace(0.05, 10.0)])
-def test_contact_stiffness_on_layers(layer):
-    """Against differences of collocation's approach."""
-    low, high = (collocation.solve_layer(layer, load, 2.0, 1.0) for load in (2e-3 * (1 - 1e-4), 2e-3 * (1 + 1e-4)))
-    solution = solve(Scene(layer, num_points=2**13))
-    exact = (high.load - low.load) / (high.approach - low.approach)
-    assert solution.contact_stiffness == pytest.approx(exact, rel=1e-5)  # (spacing/d)^2: 4e-5
-
-
 @pytest.mark.parametrize(
-    "layer", [Layer(0.5, 0.3), Layer(3.0, 0.3), Layer(2.0, 0.5), SlidingLayer(2.0), CoatedHalfSpace(1.0, 50.0)]
+    ("layer", "spacing", "load", "most"),
+    [
+        *((layer, 1.0, 2e-3, 2e-5) for layer in (Layer(0.1, 0.3), Layer(0.02, 0.5), SlidingLayer(0.03))),
+        (CoatedHalfSpace(0.05, 10.0), 1.0, 2e-3, 2e-5),
+        # of few spacings: without the contact's ends between nodes it would be off by 0.3 to 3 %
+        *((layer, 2**-12, 2e-4, 2e-3) for layer in (Layer(0.5, 0.3), Layer(3.0, 0.3), Layer(2.0, 0.5))),
+        *((layer, 2**-12, 2e-4, 2e-3) for layer in (SlidingLayer(2.0), CoatedHalfSpace(1.0, 50.0))),
+    ],
 )
-def test_contact_stiffness_on_layers_of_few_spacings(layer):
-    """On a contact of 25 nodes and more; without the contact's ends between nodes it is off by 0.3 to 3 %."""
-    layer = layer.in_units(1 / 2**12, 1.0)
-    low, high = (collocation.solve_layer(layer, load, 2.0, 1.0) for load in (2e-4 * (1 - 1e-3), 2e-4 * (1 + 1e-3)))
-    solution = solve(Scene(layer, pressure=2e-4, num_points=2**12))
+def test_contact_stiffness_on_layers(layer, spacing, load, most):
+    """Against differences of collocation's approach."""
+    layer = layer.in_units(spacing, 1.0)
+    low, high = (collocation.solve_layer(layer, load * (1 + step), 2.0, 1.0) for step in (-1e-4, 1e-4))
+    solution = solve(Scene(layer, pressure=load, num_points=2**12))
     exact = (high.load - low.load) / (high.approach - low.approach)
-    assert solution.contact_stiffness == pytest.approx(exact, rel=2e-3)
+    assert solution.contact_stiffness == pytest.approx(exact, rel=most)
 
 
 def test_stiffness_without_and_with_full_contact():

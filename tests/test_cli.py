@@ -320,13 +320,7 @@ def test_methods_and_grids(method, grids):
     ("arguments", "message"),
     [
         (["solve", "--exponent", "0.5"], "exponent is 0.5"),
-        (["solve", "--exponent", "two"], "exponent is 'two'; allowed: a number"),
         (["solve", "--thickness", "0"], "thickness is 0.0"),
-        (["solve", "--thickness", "nan"], "thickness is nan"),
-        (
-            ["solve", "--thickness", "1e400"],
-            "thickness is '1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n",
-        ),
         (
             ["solve", "--thickness", "2^-2000"],
             "thickness is '2^-2000'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n",
@@ -336,29 +330,18 @@ def test_methods_and_grids(method, grids):
         (["solve", "--thickness", "-2mm"], "thickness is '-2mm'; allowed: a number alone, the lengths of this scene"),
         (["solve", "--tolerance", "1e-15"], "tolerance is 1e-15; allowed: 1e-14 to 0.5\n"),
         (["solve", "--scene-units"], "--scene-units is given; allowed: only with --profile file, not power"),
-        (["solve", "--poisson-ratio", "0.6"], "poisson_ratio is 0.6"),
-        (["solve", "--pressure", "-1"], "pressure is -1.0"),
-        (["solve", "--num-points", "3"], "num_points is 3"),
         (["solve", "--method", "cg"], "active-set"),
-        (["solve", "--method", "cg"], "mass-weighted-fire"),
         (["solve", "--profile", "rough", "--num-points", "4096"], "dx/lambda_s is 1"),
-        (["solve", "--profile", "rough", "--hurst", "2"], "hurst is 2.0"),
         (["solve", "--profile", "file"], "profile_file is missing"),
         (["solve", "--profile", "file", "--profile-file", "no.txt"], "no.txt: this is not a file"),
         (["solve", "--profile", "file", "--profile-file", __file__], "SurfaceTopography"),
         (["solve", "--plot"], "--plot is given without --save; allowed: both"),
         (["solve", "--save", "x.txt"], "file x.txt would hold HDF5; allowed: a name that ends in .h5 or .hdf5\n"),
-        (["solve", "--plot", "--save", "x.png"], "file x.png would hold HDF5; allowed: a name that ends in .h5"),
         (["solve", "--profile-file", __file__], "allowed: only with --profile file, not power"),
         (["solve", "--hurst", "0.8"], "hurst is 0.8; allowed: only with --profile rough, not power"),
-        (["solve", "--hurst", "0.3"], "hurst is 0.3; allowed: only with --profile rough, not power"),
         (["solve", "--profile", "rough", "--exponent", "4"], "exponent is 4.0; allowed: only with --profile power"),
         (["solve", "--profile", "file", "--scene-units", "--seed", "1"], "seed is 1"),
-        (["solve", "--num-points", "0"], "num_points is 0"),
         (["solve", "--save", "/dev/null", "--overwrite"], "not a regular file"),
-        (["solve", "--tolerance", "0"], "tolerance is 0"),
-        (["solve", "--max-iterations", "0"], "max_iterations is 0"),
-        (["solve", "--threads", "0"], "threads is 0"),
         (["solve", "--save", "/nowhere/at/all.h5"], "does not exist"),
         (["solve", "--colour", "red"], "--colour"),
         (["curve", "--folder", ""], "folder is ''; allowed: a path\n"),
@@ -367,18 +350,10 @@ def test_methods_and_grids(method, grids):
         (["plot", __file__], "not one of linecontact's HDF5 files; allowed: one that it wrote"),
         (["study", "hertz", "--workers", "0"], "workers is 0"),
         (["study", "moon"], "moon"),
-        (
-            ["solve", "--num-points", "1e-3"],
-            "num_points is '1e-3'; allowed: an integer, in digits or like 2^10 or 1e6\n",
-        ),
         (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number alone, or each'),
         (
             ["solve", "--youngs-modulus", "1MPa"],
             "pressure (or approach) is missing; allowed: where lengths or pressures have units, modulus and load",
-        ),
-        (
-            ["solve", "--pressure", "1e-400"],
-            "pressure is '1e-400'; allowed: a number of 4.9e-324 to 1.8e+308 in size",
         ),
         (
             ["ensemble", "--observable"],
@@ -386,17 +361,12 @@ def test_methods_and_grids(method, grids):
         ),
         (["curve", "--values"], "values has no value; allowed: numbers separated by commas"),
         (["curve", "--over"], "over has no value; allowed: pressure, approach, period, num_points, or a number of the"),
-        (
-            ["study", "hertz", "--workers", "two"],
-            "workers is 'two'; allowed: an integer, in digits or like 2^10 or 1e6\n",
-        ),
         ([], "solve"),
         (
             ["stdy"],
             "command is 'stdy', perhaps meant as study; allowed: solve, curve, ensemble, explore, stu",
         ),
         (["study", "hertz", "--quik"], "option --quik is unknown, perhaps meant as --quick"),
-        (["solve", "--tolerence", "1"], "option --tolerence is unknown, perhaps meant as --tolerance"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(arguments, message, tmp_path, monkeypatch):
@@ -478,8 +448,7 @@ def test_a_full_disk_keeps_the_result_and_leaves_no_file(tmp_path):
     result = run("solve", "--num-points", 4096, "--json", "--save", tmp_path / "run.h5", program=program)
     assert result.returncode == 2
     assert json.loads(result.stdout)["status"] == "converged"
-    assert "could not be written" in result.stderr
-    assert "Traceback" not in result.stderr
+    assert result.stderr.startswith(f"linecontact: file {tmp_path / 'run.h5'} could not be written")
     assert not list(tmp_path.iterdir())
 
 

@@ -1,7 +1,6 @@
 """Edges of patches that follow each other: H. M. Westergaard's row, from wide gaps to gaps of one grid spacing."""
 
 import math
-from functools import partial
 
 import edge_formulas
 import numpy as np
@@ -47,31 +46,6 @@ def test_ends_of_a_row_between_the_nodes(least, off, period):
         assert wrong <= 1.5 * ends.end_errors.sum() < max(375 * off, 0.09)
 
 
-@pytest.mark.parametrize(
-    ("rule", "beside_one", "beside_ten"), [("grid", 0.012, 0.002), ("distance", 0.06, 0.02), ("alone", 0.5, 0.2)]
-)
-def test_what_other_rules_leave_beside_narrow_gaps(rule, beside_one, beside_ten):
-    """The distance as the grid has it, the distance itself, and each end by itself: largest error of an end."""
-    curve, period = half_space_curve(), 128
-    for least, most in ((1.05, beside_one), (10.0, beside_ten)):
-        wrong = []
-        for gap in least + np.linspace(0, 1, 9):
-            solution = row(period - gap, gap)
-            patches = Patches.of(solution.contact_pressure > 0)
-            pressure = solution.contact_pressure[patches.nodes]
-            width = on_half_space(patches, pressure).width[0]
-            if rule == "alone":
-                theta = edge_formulas.edge_offset(curve, edge_formulas.ends(patches, pressure))[0]
-                width = patches.size[0] - 1 - theta.sum()
-            if rule == "distance":
-                others = partial(edge_formulas.in_row, distance=lambda curve, theta: np.arange(3) - theta[..., None])
-                theta, _, _ = edge_formulas.offsets(curve, patches, pressure, others)
-                theta = theta + edge_formulas.by_load(curve, patches, theta, np.ones((2, 1), dtype=bool))
-                width = patches.size[0] - 1 - theta.sum()
-            wrong.append(abs(width - (period - gap)) / 2)
-        assert max(wrong) == pytest.approx(most, rel=0.5)
-
-
 def test_ends_are_not_moved_one_by_one_where_patches_share_the_load():
     """Each patch of eight has its nodes elsewhere. Alone each would have to carry its load, here they share it."""
     period, repeats, width = 37.125, 8, 20.3
@@ -87,35 +61,6 @@ def test_ends_are_not_moved_one_by_one_where_patches_share_the_load():
     assert patches.count == repeats
     assert abs(ends.width.mean() - width) < 6e-4
     assert ends.width.std() < 2.2e-3  # 3.2e-3 if each had to carry its load
-
-
-def test_what_a_given_load_leaves_of_the_second_order():
-    """pi/P (3 cot(pi A/P) + tan(pi A/P)) e/2: 3 e/w where the gap is wide, e/g where it is narrow."""
-    curve = half_space_curve()
-    theta = np.array([[-0.3, 0.1], [0.0, -0.6]])
-    beta = theta + curve.shift
-    e, everywhere = float(np.mean(beta**2 - beta + 1 / 6)) / 8, np.ones((2, 2), dtype=bool)
-    wide = Patches(2**20, np.array([1000, 400000]), np.array([1299, 400399]))
-    left = edge_formulas.by_load(curve, wide, theta, everywhere)
-    np.testing.assert_allclose(left, np.broadcast_to(3 * e / (wide.size - 1 - theta.sum(axis=0)), (2, 2)), rtol=2e-3)
-    narrow = Patches(2**20, np.array([0, 2**19]), np.array([2**19 - 11, 2**20 - 11]))
-    gaps = np.array([[11 + theta[0, 0] + theta[1, 1], 11 + theta[0, 1] + theta[1, 0]]] * 2)
-    gaps[1] = gaps[1, ::-1]
-    np.testing.assert_allclose(edge_formulas.by_load(curve, narrow, theta, everywhere), e / gaps, rtol=1e-3)
-    known = np.array([[True, False], [True, True]])  # the mean is over these, and the others stay
-    of_known = np.mean((beta**2 - beta + 1 / 6)[known]) / 8
-    some = edge_formulas.by_load(curve, narrow, theta, known)
-    np.testing.assert_allclose(some, np.where(known, of_known / gaps, 0.0), rtol=1e-3)
-
-
-def test_distance_of_the_last_nodes_as_the_grid_has_it():
-    """Nearly the distance far away; 3/4 (1 - beta) at the last node, whatever the far field."""
-    curve = half_space_curve()
-    beta = np.array([0.02, 0.3, 0.7, 1.0])
-    distance = edge_formulas.edge_distance(curve, beta - curve.shift)
-    np.testing.assert_allclose(distance[:, 0], 0.75 * (1 - beta), atol=1e-9)
-    np.testing.assert_allclose(distance[:, 2], 2 - (beta - curve.shift), atol=0.03)
-    assert (np.diff(distance, axis=1) > 0.7).all()
 
 
 @pytest.mark.parametrize("exponent", [1.1, 1.5, 2.0, 4.0])

@@ -157,7 +157,7 @@ def test_wide_patches_on_thin_layers_have_edges_to_the_first_order_only():
         assert abs(there.width[0] - exact) < there.total_error()
 
 
-@pytest.mark.parametrize("nu", [-0.5, 0.0, 0.25, 0.45, 0.49, 0.5])
+@pytest.mark.parametrize("nu", [-0.5, 0.25, 0.49, 0.5])
 @pytest.mark.parametrize("spacings", [0.3, 1.0, 2.6, 6.0])
 def test_layers_of_few_spacings_have_an_edge_of_their_own(nu, spacings):
     """To 0.005 spacings an edge, in contacts of 20 nodes; the half-space's curve is off by 0.2 to 0.35 there."""
@@ -292,24 +292,6 @@ def test_nested_grids_tell_the_discretisation_error():
     assert not single.levels
     assert single.observables.contact_area_error >= single.observables.contact_area_edges_error
     assert single.observables.peak_pressure_error == single.observables.approach_error == math.inf
-
-
-@pytest.mark.parametrize("exponent", [1.5, 2.0, 4.0])
-def test_periodic_closed_form(exponent):
-    exact = closed_forms.periodic_half_space_area(exponent, 1.0, 2e-3)
-    found = solve(Scene(indenter=PowerIndenter(exponent), num_points=2**12)).observables
-    assert abs(found.contact_area_subgrid - exact) < 0.01 / 2**12
-
-
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
-def test_westergaard(share):
-    """A sinusoidal indenter, given point by point."""
-    n, amplitude = 2**11, 1e-2
-    load = math.pi * amplitude * math.sin(math.pi * share / 2) ** 2
-    heights = amplitude * (1 - np.cos(2 * np.pi * np.arange(n) / n))
-    found = solve(Scene(indenter=MeasuredIndenter(heights, convention="gap"), pressure=load, num_points=n)).observables
-    assert abs(found.contact_area_subgrid - share) < 0.01 / n
-    assert abs(found.contact_area_subgrid - share) < found.contact_area_error
 
 
 def test_small_patches_are_counted_and_flagged():

@@ -22,7 +22,7 @@ from linecontact.solver import (
 )
 from linecontact.solver.calibration import FITTED
 from linecontact.solver.grid.contact import contact_edges
-from linecontact.solver.grid.errors import estimated, left_at_ends
+from linecontact.solver.grid.errors import estimated
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.grid.unseen import unseen_gaps, unseen_patches
@@ -76,41 +76,41 @@ def test_estimates_hold_and_are_not_much_too_large(ratios, name):
     assert np.median(ratios[name]) < 30
 
 
-@pytest.mark.parametrize("exponent", [1.01, 1.2, 1.5])
-@pytest.mark.parametrize(("pressure", "num_points"), [(0.02, 4096), (0.09, 4099), (0.4, 16384)])
-def test_a_tip_is_in_the_estimated_error_without_a_coarser_grid(exponent, pressure, num_points):
+@pytest.mark.parametrize(
+    ("exponent", "pressure", "num_points", "most"),
+    [
+        *((n, *scene, 0.03) for n in (1.01, 1.2, 1.5) for scene in ((0.02, 4096), (0.09, 4099), (0.4, 16384))),
+        *((n, pressure, 256, 1.6) for n, pressure in ((1.2, 1e-6), (1.2, 1e-5), (1.5, 1e-6))),  # one or two nodes
+    ],
+)
+def test_a_tip_is_in_the_estimated_error_without_a_coarser_grid(exponent, pressure, num_points, most):
     """The nodes see too little of a tip; that, and not the edges, is most of the error of a wide contact (found by a
     soak: off by 20 times the estimate)."""
     scene = Scene(Layer(), PowerIndenter(exponent), pressure, num_points=num_points)
     o = solve(scene, nested=False, tolerance=1e-10).observables
     area = closed_forms.periodic_half_space_area(exponent, 1.0, pressure)
-    assert abs(o.contact_area_subgrid - area) < o.contact_area_error < 0.03 / num_points
+    assert abs(o.contact_area_subgrid - area) < o.contact_area_error < most / num_points
 
 
-def test_the_gap_of_a_power_profile_has_its_kink():
-    """Which lets it tell no ends (found by a soak: off by 7 times the estimate)."""
-    scene = Scene(Layer(), PowerIndenter(9.88088), 1.9642e-05, num_points=61)
-    o = solve(scene).observables
-    area = closed_forms.periodic_half_space_area(9.88088, 1.0, scene.pressure)
-    assert abs(o.contact_area_subgrid - area) < o.contact_area_error
-
-
-@pytest.mark.parametrize(("exponent", "pressure"), [(1.2, 1e-6), (1.2, 1e-5), (1.5, 1e-6)])
-def test_a_tip_alone_is_known_as_well_as_by_counting(exponent, pressure):
-    """A contact of one or two nodes is nothing but a tip."""
-    scene = Scene(Layer(), PowerIndenter(exponent), pressure, num_points=256)
-    o = solve(scene, nested=False).observables
-    area = closed_forms.periodic_half_space_area(exponent, 1.0, pressure)
-    assert abs(o.contact_area_subgrid - area) < o.contact_area_error < 1.6 / 256
-
-
-def test_a_small_patch_among_large_ones_is_not_known_by_its_load():
-    """Their slopes are those of Hertz contacts only about, and on a nearly incompressible layer they cancel each other
-    (found by a soak: off by 25 times the estimate)."""
-    rough = RoughIndenter(0.5216199445743808, 546384164, 0.1484276472465341, 0.9624699003674242, 13.161174665479246)
-    scene = Scene(Layer(0.11797911947220245, 0.499), rough, 1.7656690730713824, num_points=3254)
-    coarse, fine = (solve(scene.on_grid(n)).observables for n in (3254, 13016))
-    assert coarse.num_patches == fine.num_patches == 5
+@pytest.mark.parametrize(
+    ("thickness", "rough", "pressure", "num_points"),
+    [
+        # slopes of larger patches beside a small one are those of Hertz contacts only about, and cancel each other
+        (
+            0.11797911947220245,
+            (0.5216199445743808, 546384164, 0.1484276472465341, 0.9624699003674242, 13.161174665479246),
+            1.7656690730713824,
+            3254,
+        ),
+        # five spacings thick; the ends stay beside the last nodes
+        (0.016228, (0.97962, 1971399427, 0.188701, 0.278915, 419.746), 128.091, 286),
+    ],
+)
+def test_loads_on_nearly_incompressible_layers(thickness, rough, pressure, num_points):
+    """Found by soaks: off by 25 and by twelve times the estimate."""
+    scene = Scene(Layer(thickness, 0.499), RoughIndenter(*rough), pressure, num_points=num_points)
+    coarse, fine = (solve(scene.on_grid(n)).observables for n in (num_points, 16 * num_points))
+    assert coarse.num_patches == fine.num_patches
     assert abs(coarse.contact_area_subgrid - fine.contact_area_subgrid) < 2 * coarse.contact_area_error
 
 
@@ -150,31 +150,17 @@ def test_a_residual_that_is_left_near_the_ends(thickness, exponent, pressure, nu
     assert abs(found.kappa_subgrid - exact.kappa_subgrid) < found.kappa_error
 
 
-def test_a_residual_leaves_little_at_the_ends_of_a_half_space():
-    solution = solve(Scene(Layer(), RoughIndenter(0.8, 1, cut_off_ratio=1 / 64), 0.01, num_points=2**12))
-    patches = Patches.of(solution.contact)
-    left = left_at_ends(1e-3, patches, solution.contact_pressure)
-    assert 0 < left < 4e-4 * solution.observables.contact_area
-    whole = Patches.of(np.ones(8, dtype=bool))
-    assert left_at_ends(1e-4, whole, np.ones(8)) == 0
-    # all four nodes carry less than the residual leaves of it; then two of them; then hardly less than they carry
-    one = Patches.of(np.array([0, 1, 1, 1, 1, 0, 0, 0], dtype=bool))
-    pressure = np.array([0, 1.0, 7, 7, 1, 0, 0, 0])
-    assert left_at_ends(10.0, one, pressure) == 4 / 8
-    assert left_at_ends(2.5, one, pressure) == pytest.approx((2 + 2 * 5 / 7) / 8)
-    assert left_at_ends(2 / 5, one, pressure) == pytest.approx(2 * 0.8 / 8)
-    # two patches, one of them over the end of the period, the other one below the error
-    two = Patches.of(np.array([1, 1, 0, 1, 0, 0, 1, 1], dtype=bool))
-    pressure = np.array([5, 1, 0, 0.1, 0, 0, 1, 5.0])
-    assert left_at_ends(0.5 / pressure.mean(), two, pressure) == pytest.approx(math.hypot(1, 0.5 + 0.5) / 8)
-
-
 @pytest.mark.parametrize(
     ("exponent", "radius", "pressure", "num_points"),
-    [(25.8381, 0.40989, 1.36068e-6, 61), (28.7836, 0.509115, 3.68724e-8, 81), (64.0, 1.0, 1e-6, 256)],
+    [
+        (25.8381, 0.40989, 1.36068e-6, 61),
+        (28.7836, 0.509115, 3.68724e-8, 81),
+        (64.0, 1.0, 1e-6, 256),
+        (9.88088, 1.0, 1.9642e-05, 61),  # the gap has the profile's kink, which lets it tell no ends
+    ],
 )
 def test_sides_too_steep_for_the_grid(exponent, radius, pressure, num_points):
-    """Found by a soak: ends off by 1.4 grid spacings together, 6 times the estimated error."""
+    """Found by soaks: ends off by 1.4 grid spacings together, 6 and 7 times the estimated error."""
     o = solve(Scene(Layer(), PowerIndenter(exponent, radius), pressure, num_points=num_points)).observables
     area = closed_forms.periodic_half_space_area(exponent, radius, pressure)
     assert abs(o.contact_area_subgrid - area) < o.contact_area_error < 3 / num_points
@@ -560,7 +546,7 @@ class Wedge(Indenter):
 
 @pytest.mark.parametrize("num_points", [2**12, 2**14])
 @pytest.mark.parametrize("pressure", [0.002, 0.01, 0.04])
-@pytest.mark.parametrize("beside", [0.0, 0.3, 0.5, 1.5, 2.0])
+@pytest.mark.parametrize("beside", [0.0, 0.3, 1.5])
 def test_kappa_where_slopes_are_differences_across_a_kink(beside, pressure, num_points):
     """Half-space: p/E* = (s/pi) arsinh(tan(pi a/L)), the integral of `closed_forms` for h' = s; kappa = a_r s E*/p."""
     found = solve(Scene(Layer(), Wedge(beside), pressure, num_points=num_points)).observables
@@ -713,7 +699,7 @@ def test_a_change_that_is_small_by_chance_is_not_believed(layer, exponent, press
     assert abs(value - true) < error < 5e-3 * true
 
 
-@pytest.mark.parametrize("num_points", [4, 5, 6, 7, 8, 9, 16])
+@pytest.mark.parametrize("num_points", [4, 5, 8, 16])
 @pytest.mark.parametrize("exponent", [1.1, 2.0, 3.0])
 @pytest.mark.parametrize("over_full", [1.0001, 1.5])
 def test_a_full_contact_of_few_nodes_is_not_known(num_points, exponent, over_full):

@@ -84,15 +84,6 @@ def test_the_preconditioner_inverts_a_short_gap_exactly():
     np.testing.assert_allclose(found, np.linalg.solve(column[abs(nodes[:, None] - nodes)], force), rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("layer", "precision", "share"),
-    [(Layer(1e-3, 0.5), "float64", 0.9), (Layer(), "float32", 0.9), (Layer(), "float64", 0.15)],
-)
-def test_where_pressures_are_better_they_are_taken(layer, precision, share):
-    problem = Problem.from_scene(Scene(layer, num_points=2**10, precision=precision))
-    assert isinstance(begin(problem, share, precision=precision), ActiveSet)
-
-
 def test_full_contact_and_nearly_full_contact():
     scene = Scene(Layer(0.1), ROUGH, num_points=2**12)
     full = Problem.from_scene(scene).full_contact_pressure
@@ -111,12 +102,6 @@ def test_what_cannot_go_on_is_taken_over_by_pressures(monkeypatch):
     found = solve(scene)
     assert found.status is Status.CONVERGED
     np.testing.assert_array_equal(found.contact, expected.contact)
-
-
-def test_the_power_profile_of_one_patch():
-    scene = Scene(Layer(), PowerIndenter(2.0), 0.05, num_points=2**12)
-    by_pressure, by_displacement = both(scene)
-    np.testing.assert_array_equal(by_pressure.contact_pressure > 0, by_displacement.contact_pressure > 0)
 
 
 @pytest.mark.parametrize("start", ["nothing", "no pressure", "displacement"])

@@ -170,17 +170,6 @@ def project(tmp_path):
     return tmp_path
 
 
-def test_a_sound_project_is_read(project):
-    modules, folders, graph = read(project)
-    low, high = "linecontact.studies.low", "linecontact.studies.high"
-    assert graph[f"{low}.a"] == {"linecontact.studies", f"{low}.b"}
-    assert graph[f"{low}.b"] == {"linecontact.solver"}
-    assert graph[f"{high}.a"] == {f"{low}.a"}
-    assert graph["linecontact.solver"] == {"linecontact.kernels"}
-    assert not circle(graph)
-    assert not forbidden_imports(modules, folders, graph)
-
-
 @pytest.mark.parametrize(
     ("line", "found"),
     [

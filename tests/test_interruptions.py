@@ -129,11 +129,7 @@ def test_killed_at_any_line_a_record_is_there_whole_or_not_at_all(folder):
     assert {record["square"] for record in found if record} == {9}
     assert all((".json" in endings) == bool(record) for record, endings in outcomes)
     assert not any(".damaged" in endings for _, endings in outcomes)
-
-
-@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
-def test_killed_at_any_line_no_record_has_a_reason_of_failure_beside_it(folder):
-    assert not any(record and ".failed" in endings for record, endings in saves_killed_at_every_line(folder))
+    assert not any(record and ".failed" in endings for record, endings in outcomes)
 
 
 def test_half_written_files_are_removed_by_the_next_run(folder):

@@ -12,7 +12,7 @@ import warp as wp
 from linecontact.kernels import CHUNK, KERNELS, Call, layout, padded_length, recompile, record
 
 PRECISIONS = ["float32", "float64"]
-LENGTHS = [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK, 5 * CHUNK + 17]
+LENGTHS = [1, CHUNK, 2 * CHUNK + 17]
 
 ELEMENTWISE = {
     "spectral_multiply": ("coefficient", "spectrum"),
@@ -91,7 +91,7 @@ def test_kernel_against_reference(kernel, length, precision):
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("num_rows", [2, 8, 15, 30, 64])
+@pytest.mark.parametrize("num_rows", [2, 15, 64])
 @pytest.mark.parametrize("kernel", OF_COLUMNS)
 def test_columns_against_reference(kernel, num_rows, precision):
     """What is not theirs, padding of the columns and spectra beyond the last, stays as it is."""
@@ -115,20 +115,6 @@ def test_columns_against_reference(kernel, num_rows, precision):
     else:
         np.testing.assert_array_equal(kept.reshape(-1, layout.STRIDE)[0], np.arange(layout.STRIDE) >= layout.COLUMNS)
         assert kept.sum() == num_rows * (layout.STRIDE - layout.COLUMNS)
-
-
-def test_packed_columns_are_what_was_unpacked():
-    """With twiddle factors of size 1, but for a factor of 2; the first and the last row stand for themselves."""
-    rng, num_rows = np.random.default_rng(0), 16
-    turns = np.exp(2j * np.pi * rng.random(layout.COLUMNS * 16)).view(float)
-    near, far = turns[: padded_length(2 * layout.COLUMNS * 9)], np.ones(padded_length(18))
-    far[1::2] = 0
-    columns, back = rng.standard_normal(num_rows * layout.STRIDE), np.zeros(num_rows * layout.STRIDE)
-    spectra = np.zeros(near.size)
-    record("warp", [Call("unpack_columns", (near, far, columns), (spectra,))])()
-    record("warp", [Call("pack_columns", (near, far, spectra), (back,))])()
-    found, given = (each.reshape(-1, layout.STRIDE)[:, : layout.COLUMNS] for each in (back, columns))
-    np.testing.assert_allclose(found, given, atol=1e-14)
 
 
 def test_chunks_shorter_than_a_row_of_columns_are_refused():
@@ -257,20 +243,6 @@ def test_a_recording_waits_while_another_thread_records_a_graph(monkeypatch):
     assert waits == [True]
     assert mine[0] == mine[-1] == 2.0
     assert other[0] == other[-1] == 4.0
-
-
-@pytest.mark.parametrize("flags", [None, "-O1"])
-def test_kernels_with_another_chunk_and_other_flags(flags):
-    kernel = recompile(["restrict_to_free"], 256, flags)["restrict_to_free"]
-    import warp as wp
-
-    rng = np.random.default_rng(0)
-    force, field = rng.standard_normal(1024) * (rng.random(1024) < 0.5), rng.standard_normal(1024)
-    expected, squares = np.where(force == 0, 0, field), np.zeros(4)
-    arrays = [wp.array(x, dtype=wp.float64, copy=False, device="cpu") for x in (force, field, squares)]
-    wp.launch(kernel, dim=4, inputs=arrays, device="cpu")
-    np.testing.assert_array_equal(field, expected)
-    np.testing.assert_allclose(squares, (expected**2).reshape(4, 256).sum(axis=1), rtol=1e-14)
 
 
 @pytest.fixture(scope="module")

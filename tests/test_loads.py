@@ -1,6 +1,7 @@
 """Ends of narrow patches from their loads: closed forms, layers, and rough surfaces with few points."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,35 +17,13 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.contact import contact_edges
-from linecontact.solver.grid.few_nodes import node_compliance
-from linecontact.solver.grid.narrow import Heights, Surroundings, from_loads, gap_ends, level_errors
+from linecontact.solver.grid.narrow import Heights, Surroundings, from_loads
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.reference import closed_forms, collocation
 
 FEW_POINTS = RoughIndenter(hurst=0.3, roll_off_ratio=1 / 8, cut_off_ratio=1 / 64)
 """Shortest wave L/512."""
-
-
-@pytest.mark.parametrize(("cubic", "quartic"), [(0.0, 0.0), (0.0, 4e-5), (2e-4, 0.0), (-2e-4, 3e-5)])
-def test_a_patch_whose_load_is_known_in_closed_form(cubic, quartic):
-    """h' = curvature x + cubic x^2 + quartic x^3 about 0, in a surface that slopes so that the patch ends at +-a."""
-    curvature, a, n = 0.01, 5.3, 4096
-    x = np.arange(n) - n // 2
-    heights = Heights(curvature * x**2 / 2 + cubic * x**3 / 3 + quartic * x**4 / 4, 1.0)
-    b1, b2 = curvature * a + 0.75 * quartic * a**3, 0.5 * cubic * a**2
-    load = np.array([math.pi / 4 * a * b1])
-    mean_height = curvature * a**2 / 4 + 3 / 32 * quartic * a**4
-    terms = np.zeros((7, 1))
-    terms[-2:, 0] = 8 * cubic * a**2 / 2, 0.1 + 2 / math.pi * load[0] * math.log(2 / a) + mean_height
-    around = Surroundings(np.array([n / 2]), np.array([8.0]), terms)
-    found = from_loads(load, heights, (np.array([n / 2 - 0.3]), np.array([5.0])), around)
-    assert found.solved[0]
-    assert found.half_width[0] == pytest.approx(a, rel=1e-5)
-    assert found.middle[0] == pytest.approx(n / 2, abs=1e-4)
-    level, centre = level_errors(found, around, heights, load)
-    assert centre[0] == pytest.approx(n / 2 + a * b2 / b1 / 2, abs=1e-4)
-    assert level[0] == pytest.approx(0.1, abs=1e-6)
 
 
 @pytest.mark.parametrize("load", [0.0, -1e-5, -1e-3])
@@ -63,79 +42,6 @@ def test_a_coating_like_its_base_of_any_thickness(spacings):
         solve(Scene(each, PowerIndenter(2.0), 1e-6, num_points=256)).observables for each in (layer, Layer())
     )
     assert found.contact_area_subgrid == pytest.approx(exact.contact_area_subgrid, rel=1e-3)
-
-
-@pytest.mark.parametrize("shift", [0, 500, 1010])
-@pytest.mark.parametrize("nodes", [1, 2, 5, 12])
-def test_what_a_patch_does_to_itself_is_taken_off(nodes, shift):
-    """Also where the period ends; with polynomials of the degree that so many nodes can have."""
-    n, degree, most = 1024, min(6, nodes + 4), node_compliance().size
-    own = np.random.default_rng(nodes).uniform(1, 2, nodes)
-
-    def smooth(x):
-        return 0.3 + 0.01 * x - (x / 20.0) ** degree
-
-    def pressure(node):
-        return own[(node - shift) % n]
-
-    def displacement(node):
-        x = (node - shift + n // 2) % n - n // 2
-        return smooth(x) - sum(
-            load * node_compliance()[np.minimum(np.abs(x - j), most - 1)] for j, load in enumerate(own)
-        )
-
-    patch = (np.array([value]) for value in (shift, nodes, 50))
-    around = Surroundings.of(*patch, pressure, displacement, node_compliance)
-    at = np.linspace(-1, nodes, 9)
-    value, slope = around.at((at + shift)[None])
-    np.testing.assert_allclose(value[0], smooth(at), atol=1e-10)
-    np.testing.assert_allclose(slope[0], 0.01 - degree / 20 * (at / 20) ** (degree - 1), atol=1e-9)
-
-
-def test_a_slope_between_nodes_is_that_of_the_polynomial_through_six():
-    x = np.arange(64.0)
-    _, slope = Heights(np.sin(2 * np.pi * x / 16) / 5, 5.0).at(np.array([[3.3, 10.7, -0.2, 63.9]]))
-    at = 2 * np.pi / 16 * np.array([[3.3, 10.7, -0.2, 63.9]])
-    np.testing.assert_allclose(slope, 2 * np.pi / 16 * np.cos(at), atol=1e-4)
-
-
-def means(field, ends):
-    """M_0 and M_1 of a field over some runs."""
-    t = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
-    values = field(ends.middle[:, None] + ends.half_width[:, None] * t)
-    return values.mean(axis=1), (values * t).mean(axis=1)
-
-
-@pytest.mark.parametrize("modulus", [None, lambda q: 1 + q**0.7])
-def test_the_kernel_solves_the_equations_of_patches(modulus):
-    """A row of valleys, the surface around each a parabola; the modulus that of a layer that the grid does not see."""
-    valleys, width = 16, 8
-    x = np.arange(valleys * width)
-    heights = Heights(-np.cos(2 * np.pi * (x - 0.3) / width) / 3, 1.5)
-    middle, load = x[::width] + 0.3, np.geomspace(1e-3, 0.3, valleys)
-    rng = np.random.default_rng(1)
-    bent = np.stack([0.02 * rng.standard_normal(valleys) for _ in range(3)])
-    around = None if modulus else Surroundings(middle, np.full(valleys, 3.0), bent)
-    found = from_loads(load, heights, (middle + 0.2, np.full(valleys, 1.0)), around, modulus)
-    assert found.solved.all()
-
-    def slope(places):
-        return heights.at(places)[1] - (around.at(places)[1] if around else 0)
-
-    m_0, m_1 = means(slope, found)
-    np.testing.assert_allclose(m_0, 0, atol=1e-6)
-    stiffness = modulus(3 * np.pi / 4 / found.half_width) if modulus else 1.0
-    np.testing.assert_allclose(m_1, 2 / np.pi * load / (found.half_width * stiffness), rtol=1e-5)
-
-
-def test_the_kernel_solves_the_equations_of_gaps():
-    """Pressures that are negative in the middle, and how far each gap opens: no moments of them are left."""
-    depth, bend, skew = np.meshgrid([-0.1, -0.4], [0.5, 1.0], [-0.1, 0.2])
-    coefficients = np.stack([skew.ravel() / 2, bend.ravel(), skew.ravel(), depth.ravel()])
-    closed = Surroundings(np.arange(8.0), np.full(8, 2.0), coefficients)
-    found = gap_ends(closed, np.arange(8) - 1.0, np.arange(8) + 1.0)
-    assert found.solved.all()
-    np.testing.assert_allclose(means(lambda x: closed.at(x)[0], found), 0, atol=1e-5)
 
 
 @pytest.mark.parametrize("num_points", [32, 48, 64, 100])
@@ -175,7 +81,7 @@ def test_a_base_bends_the_slope(ratio):
     assert abs(found.contact_area_subgrid - exact) * 2**12 < 1e-3
 
 
-@pytest.mark.parametrize("num_points", [256, 257, 4096])
+@pytest.mark.parametrize("num_points", [257, 4096])
 @pytest.mark.parametrize("width", [0.3, 0.8, 1.4, 2.3, 3.1, 4.2])
 def test_a_lone_patch_of_few_nodes_anywhere_between_them(num_points, width):
     """Westergaard's: a_r, its middle, and kappa = a_r g_c E*/p with g_c^2 = (2 pi D)^2 (1/2 - sin(2 pi a)/(4 pi a))."""
@@ -194,7 +100,7 @@ def test_a_lone_patch_of_few_nodes_anywhere_between_them(num_points, width):
         assert middle == pytest.approx(beside, abs=1e-4)
 
 
-@pytest.mark.parametrize("beside", [-0.45, -0.2, 0.3])
+@pytest.mark.parametrize("beside", [-0.45, 0.3])
 @pytest.mark.parametrize("width", [1.4, 2.2, 5.2])
 @pytest.mark.parametrize(
     "layer",
@@ -212,28 +118,21 @@ def test_a_lone_patch_on_a_layer_lies_below_the_tip(layer, width, beside):
         assert (middle - tip + n / 2) % n - n / 2 == pytest.approx(0, abs=1e-3)
 
 
-def area_errors(indenter, layer, num_points, seeds):
-    """Relative errors of the area, by load and by pressure and counting, against the grid of 2^15 points."""
-    errors = []
-    for seed in seeds:
-        scene = Scene(layer, RoughIndenter(indenter.hurst, seed, 1 / 8, 1 / 64), 0.01, num_points=2**15)
+@pytest.mark.parametrize(
+    ("layer", "points", "most", "factor"),
+    [(Layer(), 8, 0.004, 4), (Layer(), 16, 0.003, 4), (Layer(0.02, 0.4), 8, 0.006, 3)],
+)
+def test_areas_of_rough_surfaces_with_few_points_to_a_wave(layer, points, most, factor):
+    """Relative errors by load, and by pressure and counting, against the grid of 2^15 points."""
+    errors, num_points = [], 512 * points
+    for seed in range(6):
+        scene = Scene(layer, replace(FEW_POINTS, seed=seed), 0.01, num_points=2**15)
         coarse, true = solve(scene.on_grid(num_points)), solve(scene).observables.contact_area_subgrid
         counted = contact_edges(Problem.from_scene(coarse.scene), coarse.contact_pressure).ends
         errors.append((coarse.observables.contact_area_subgrid / true - 1, counted.width.sum() / num_points / true - 1))
-    return np.sqrt(np.mean(np.square(errors), axis=0))
-
-
-@pytest.mark.parametrize(("points", "most"), [(8, 0.004), (16, 0.003)])
-def test_areas_of_rough_surfaces_with_few_points_to_a_wave(points, most):
-    by_load, counted = area_errors(FEW_POINTS, Layer(), 512 * points, range(6))
+    by_load, by_counting = np.sqrt(np.mean(np.square(errors), axis=0))
     assert by_load < most
-    assert by_load < counted / 4
-
-
-def test_loads_serve_layers_too():
-    by_load, counted = area_errors(FEW_POINTS, Layer(0.02, 0.4), 512 * 8, range(6))
-    assert by_load < 0.006
-    assert by_load < counted / 3
+    assert by_load < by_counting / factor
 
 
 def test_the_load_says_nothing_where_the_profile_is_not_known_between_the_nodes():
@@ -360,14 +259,6 @@ def test_widths_far_below_a_spacing(pressure, num_points):
     """Down to 1e-5 spacings, against Hertz (found by a soak: off by half of the width)."""
     found = solve(Scene(Layer(114.0, -0.5), PowerIndenter(), pressure, num_points=num_points)).observables
     assert found.contact_area_subgrid == pytest.approx(2 * math.sqrt(4 * pressure / math.pi), rel=1e-5)
-
-
-def test_ends_by_loads_stay_beside_the_last_nodes():
-    """On a nearly incompressible layer of five spacings (found by a soak: off by twelve times the estimated error)."""
-    rough = RoughIndenter(0.97962, 1971399427, 0.188701, 0.278915, 419.746)
-    scene = Scene(Layer(0.016228, 0.499), rough, 128.091, num_points=286)
-    found, fine = (solve(scene.on_grid(n)).observables for n in (286, 4576))
-    assert abs(found.contact_area_subgrid - fine.contact_area_subgrid) < found.contact_area_error
 
 
 def test_an_error_beside_flat_heights_is_a_number():

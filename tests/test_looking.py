@@ -355,7 +355,7 @@ def test_error_bars_too_long_for_a_panel_are_left_out():
     assert max(np.ptp(path.vertices[:, 1]) for path in bars.get_paths()) == pytest.approx(0.2)
 
 
-@pytest.mark.parametrize("first", [1.0, 1.3, 3.0, 9.5])
+@pytest.mark.parametrize("first", [1.3, 9.5])
 @pytest.mark.parametrize("ratio", [1.05, 1.13, 3.0, 9.9, 15.0, 60.0, 200.0, 1e5])
 def test_numbers_at_an_axis_do_not_run_into_each_other(first, ratio):
     with matplotlib.rc_context(STYLE):

@@ -100,6 +100,7 @@ class ProjectedGradient(Method):
     transform_pairs = 0.0
     residual = math.inf
     stopped = False
+    patience = None
 
     def __init__(self, problem, setting):
         self.problem, self.tolerance = problem, setting.tolerance
@@ -129,10 +130,6 @@ class ProjectedGradient(Method):
     @property
     def contact_pressure(self):
         return self.problem.wall_pressure(self._u)
-
-    @property
-    def patience(self):
-        return None
 
 
 PROJECTED = MethodKind(
@@ -249,15 +246,6 @@ def test_a_new_method_is_certified_like_any_other(indenter):
     assert str(limited.reason).startswith("max_iterations is reached after 5; allowed: more")
     with pytest.raises(ValueError, match="precision is 'float32'; allowed: float64, for projected-gradient"):
         solve(Scene(num_points=64, precision="float32"), method="projected-gradient", tolerance=0.4)
-
-
-def test_a_profile_may_be_a_list():
-    class Listed(CosineIndenter):
-        def profile(self, num_points, period):
-            return super().profile(num_points, period).tolist()
-
-    found, expected = (solve(Scene(indenter=one(), num_points=2**10)).observables for one in (Listed, CosineIndenter))
-    assert found.kappa_subgrid == expected.kappa_subgrid
 
 
 def test_what_is_no_layer_or_indenter_is_refused():
@@ -390,31 +378,28 @@ def test_a_foundation_that_may_be_right_is_believed(monkeypatch, thickness, stif
     assert Scene(FrictionlessLayer(thickness)).layer.thickness == thickness
 
 
-@pytest.mark.parametrize("wave", [None, "short", -3, math.nan, 0.1])
-def test_a_shortest_wave_that_is_none_is_refused(monkeypatch, wave):
-    monkeypatch.setattr(CosineIndenter, "shortest_wave", lambda self, num_points: wave)
-    with pytest.raises(
-        ValueError, match=f"shortest_wave of indenter cosine is {wave!r}; allowed: an integer >= 0, 0 f"
-    ):
-        Scene(indenter=CosineIndenter())
+_WAVE, _ABOUT = "allowed: an integer >= 0, 0 f", "allowed: a dictionary with 'cosine' under 'profile'"
 
 
 @pytest.mark.parametrize(
-    ("described", "named"),
+    ("what", "given", "named"),
     [
-        (None, "gives None; allowed: a dictionary with 'cosine' under 'profile'"),
-        ({}, "gives {}; allowed: a dictionary with 'cosine' under 'profile'"),
-        ({"profile": "sine"}, "gives {'profile': 'sine'}; allowed: a dictionary with 'cosine' under 'profile'"),
-        (
-            {"profile": "cosine", "waves": [1, None]},
-            "has waves [1, None]; allowed: a number, a text, True or False, or",
-        ),
-        ({"profile": "cosine", "waves": None}, "has waves None; allowed: a number, a text, True or False"),
+        *(("shortest_wave", wave, f"is {wave!r}; {_WAVE}") for wave in (None, "short", -3, math.nan, 0.1)),
+        *(("to_dict", about, f"gives {about}; {_ABOUT}") for about in (None, {}, {"profile": "sine"})),
+        ("to_dict", {"profile": "cosine", "waves": [1, None]}, "has waves [1, None]; allowed: a number, a text, True"),
+        ("to_dict", {"profile": "cosine", "waves": None}, "has waves None; allowed: a number, a text, True or False"),
     ],
 )
-def test_a_description_that_cannot_be_stored_is_refused(monkeypatch, described, named):
-    monkeypatch.setattr(CosineIndenter, "to_dict", lambda self: described)
-    with pytest.raises(ValueError, match=re.escape(f"to_dict of indenter cosine {named}")):
+def test_what_an_indenter_says_of_itself_may_be_refused(monkeypatch, what, given, named):
+    monkeypatch.setattr(CosineIndenter, what, lambda *_: given)
+    with pytest.raises(ValueError, match=re.escape(f"{what} of indenter cosine {named}")):
+        Scene(indenter=CosineIndenter())
+
+
+@pytest.mark.parametrize(("name", "said"), [("power", "that of PowerIndenter; allowed: an"), ("", "''; allowed: a te")])
+def test_a_name_that_is_none_or_another_s_is_refused(monkeypatch, name, said):
+    monkeypatch.setattr(CosineIndenter, "name", name)
+    with pytest.raises(ValueError, match=f"name of indenter is .*{said}"):
         Scene(indenter=CosineIndenter())
 
 
@@ -437,13 +422,6 @@ def test_a_method_that_is_none_is_refused(monkeypatch, kind, named):
     monkeypatch.setitem(METHODS, "own", kind)
     with pytest.raises(ValueError, match=named):
         solve(Scene(num_points=256), method="own")
-
-
-@pytest.mark.parametrize(("name", "said"), [("power", "that of PowerIndenter; allowed: an"), ("", "''; allowed: a te")])
-def test_a_name_that_is_none_or_another_s_is_refused(monkeypatch, name, said):
-    monkeypatch.setattr(CosineIndenter, "name", name)
-    with pytest.raises(ValueError, match=f"name of indenter is .*{said}"):
-        Scene(indenter=CosineIndenter())
 
 
 def test_lengths_and_moduli_of_a_layer_that_are_none_are_refused():
@@ -519,11 +497,12 @@ def test_own_numbers_are_printed_with_their_units():
     assert repr(WithHeights()).endswith("heights 1000 values [-]")
 
 
-@pytest.mark.parametrize("kind", ["f4", ">f8"])
+@pytest.mark.parametrize("kind", ["f4", ">f8", list])
 def test_own_heights_may_have_any_real_type(kind):
     class Own(CosineIndenter):
         def profile(self, num_points, period):
-            return super().profile(num_points, period).astype(kind)
+            heights = super().profile(num_points, period)
+            return heights.tolist() if kind is list else heights.astype(kind)
 
     found, usual = (
         solve(Scene(indenter=of(), pressure=1e-4, num_points=256)).observables for of in (Own, CosineIndenter)

@@ -451,7 +451,7 @@ sys.exit(main())
 
 
 @posix
-def test_a_disk_that_is_full_is_named(tmp_path):
+def test_a_full_disk_behind_the_kernel_cache_is_named(tmp_path):
     """A limit on files stands for it."""
     words = [sys.executable, "-c", SMALL_FILES, "solve", "--num-points", "2^14"]
     cold = run([*words, "--method", "fire", "--tolerance", "0.1"], env={**os.environ, "WARP_CACHE_PATH": str(tmp_path)})
@@ -459,15 +459,6 @@ def test_a_disk_that_is_full_is_named(tmp_path):
     told = rf"linecontact: Warp's kernel cache {tmp_path}"
     assert cold.stderr.splitlines()[-1].startswith(told)
     assert "WARP_CACHE_PATH" in cold.stderr
-    file = run([*words, "--save", tmp_path / "run.h5"])
-    assert file.returncode == 2
-    assert file.stderr.startswith(f"linecontact: file {tmp_path / 'run.h5'} could not be written")
-    with (tmp_path / "out").open("wb") as out:
-        out.write(bytes(2**15))
-        out.flush()
-        ended = subprocess.run([*words, "--json"], stdout=out, stderr=subprocess.PIPE, text=True, timeout=300)
-    assert ended.returncode == 2
-    assert ended.stderr == "linecontact: standard output could not be written (File too large)\n"
 
 
 def test_a_folder_that_is_gone_is_named(tmp_path):

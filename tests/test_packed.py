@@ -12,12 +12,10 @@ from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.grid.split import Split
 from linecontact.solver.methods import ExecutionConfig, active_set, relax
-from linecontact.solver.methods.active_set import fields, surface
-from linecontact.solver.methods.active_set.fields import Nearby, transformed_blocks
+from linecontact.solver.methods.active_set import surface
+from linecontact.solver.methods.active_set.fields import Nearby
 
-LAYERS = [(math.inf, 0.25)] + [
-    (d, nu) for d in (1, 0.1, 0.01, 1e-3, 1e-4, 1e-5) for nu in (-0.9, 0.25, 0.45, 0.499, 0.5)
-]
+LAYERS = [(math.inf, 0.25), (1, 0.45), (0.1, -0.9), (0.01, 0.25), (1e-3, 0.499), (1e-4, 0.5), (1e-5, 0.5), (1e-5, 0.25)]
 
 
 def stiffness(num_points, thickness, nu):
@@ -100,15 +98,6 @@ def test_smooth_displacements_stay_smooth(thickness):
     assert np.abs(force).max() < 1e-6
 
 
-def test_packed_lengths_are_few():
-    """So plans serve again: at most eight of them to an octave of blocks, and little longer."""
-    lengths = np.array([transformed_blocks(blocks) for blocks in range(1, 2**14)])
-    needed = np.arange(1, 2**14)
-    assert (lengths >= needed).all()
-    assert (lengths <= np.ceil(1.125 * needed)).all()
-    assert np.unique(lengths[needed > 16]).size <= 10 * 8
-
-
 def rough(num_points, hurst=0.8, thickness=math.inf, nu=0.25, pressure=1e-2, seed=0):
     waves = {"roll_off_ratio": 1 / 8, "cut_off_ratio": 64 * 8 / num_points}
     indenter = RoughIndenter(hurst=hurst, seed=seed, **waves)
@@ -141,50 +130,27 @@ def test_same_contact_as_on_all_nodes(scene, nested, monkeypatch):
     np.testing.assert_array_equal(near.contact, everywhere.contact)
     scale = everywhere.contact_pressure.max()
     np.testing.assert_allclose(near.contact_pressure, everywhere.contact_pressure, rtol=0, atol=1e-6 * scale)
+    if scene in SCENES[:4]:  # with little in contact, in more than a few iterations
+        assert near.transform_pairs < 0.7 * everywhere.transform_pairs
 
 
-def count_renewals(monkeypatch):
-    """Whole transforms by the number of points."""
-    found = {}
-    plain = surface.Surface.renew
-
-    def renew(self, now):
-        found[self._problem.num_points] = found.get(self._problem.num_points, 0) + 1
-        plain(self, now)
-
-    monkeypatch.setattr(surface.Surface, "renew", renew)
-    return found
-
-
-@pytest.mark.parametrize("scene", SCENES[:6])
-def test_few_whole_transforms(scene, monkeypatch):
-    found = count_renewals(monkeypatch)
-    assert solve(scene).status is Status.CONVERGED
-    assert found[scene.num_points] <= 4
-
-
-def test_a_patch_that_a_coarser_grid_does_not_have_is_found():
-    scene = rough(2**16)
+@pytest.mark.parametrize("start", ["without a patch", "with part of a patch alone"])
+def test_patches_beyond_the_neighbourhood_are_found(start):
+    """By whole transforms; a coarser grid may lack them."""
+    scene = SCENES[0]
     solution = solve(scene)
     patches, pressure = Patches.of(solution.contact), solution.contact_pressure / scene.pressure
-    apart = patches.gap.min(axis=0)
-    lost = int(np.argmax(np.where(patches.size < 40, apart, 0)))
-    nodes = np.arange(patches.first[lost], patches.last[lost] + 1) % scene.num_points
-    assert apart[lost] > 2 * 16  # blocks of 16 nodes
-    pressure[nodes] = 0.0
-    state = active_set.begin(Problem.from_scene(scene), ExecutionConfig(1e-8))
+    if start == "without a patch":
+        apart = patches.gap.min(axis=0)
+        lost = int(np.argmax(np.where(patches.size < 40, apart, 0)))
+        assert apart[lost] > 2 * 32  # nodes of a block
+        pressure[patches.nodes[patches.label == lost]] = 0.0
+    else:
+        pressure[patches.nodes[40:]] = 0.0
+    state = active_set.begin(Problem.from_scene(scene), ExecutionConfig(1e-9))
     state.start_from_pressure(pressure)
     assert relax(state, 2000) is Status.CONVERGED
-    assert (state.contact_pressure[nodes] > 0).all()
-
-
-def test_contact_nearly_everywhere_is_solved_on_all_nodes(monkeypatch):
-    made = []
-    monkeypatch.setattr(fields, "Nearby", lambda *arguments: made.append(arguments))
-    solution = solve(Scene(Layer(), RoughIndenter(cut_off_ratio=1 / 64), pressure=0.5, num_points=2**16))
-    assert solution.status is Status.CONVERGED
-    assert solution.observables.contact_area > 0.3
-    assert not made
+    np.testing.assert_array_equal(state.contact_pressure > 0, solution.contact)
 
 
 @pytest.mark.parametrize(("error", "left"), [(1e-3, False), (0.03, False), (0.5, True), (-2.0, True)])
@@ -208,27 +174,6 @@ def test_an_operator_worse_than_it_says(error, left, monkeypatch):
     assert (made[-1].split is None) is left
     monkeypatch.setattr(Nearby, "apply", plain)
     np.testing.assert_array_equal(solution.contact, solve(SCENES[0]).contact)
-
-
-def test_far_from_the_start_the_neighbourhood_grows(monkeypatch):
-    """From a load on one patch of many; nodes that touch elsewhere are found by whole transforms."""
-    scene, made = SCENES[0], []
-    begin = fields.Nearby.__init__
-
-    def keep(self, *arguments):
-        begin(self, *arguments)
-        made.append(self)
-
-    monkeypatch.setattr(fields.Nearby, "__init__", keep)
-    expected = solve(scene)
-    made.clear()
-    state = active_set.begin(Problem.from_scene(scene), ExecutionConfig(1e-9))
-    patch = Patches.of(expected.contact).nodes[:40]
-    state.start_from_pressure(np.where(np.isin(np.arange(scene.num_points), patch), 1.0, 0.0))
-    assert made
-    assert relax(state, 2000) is Status.CONVERGED
-    assert len(made) > 1
-    np.testing.assert_array_equal(state.contact_pressure > 0, expected.contact)
 
 
 THIN = [(2**16, 1e-5, 8.0, 0.1), (2**18, 1e-6, 4.0, 10.0), (2**18, 1e-6, 8.0, 0.1), (2**16, 1e-5, 4.0, 10.0)]

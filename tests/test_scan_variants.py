@@ -94,7 +94,7 @@ READ = {
 }
 
 REFUSED = {
-    "no header": (rows(), {}, "x_unit and z_unit are missing"),
+    "no header": (rows(), {}, "x_unit and z_unit are missing: .* names no unit of its positions and"),
     "UTF-16 without a mark": (("x [um],z [um]\n" + rows()).encode("utf-16-le"), {}, "no table of numbers"),
     "no header, one given": (rows(), {"x_unit": "um"}, "z_unit is missing"),
     "one label without": ("x [um],z\n" + rows(), {}, "z_unit is missing"),
@@ -146,13 +146,21 @@ REFUSED = {
     "heights first, no labels": (rows(order="zx"), UNITS, "columns, like 2,1"),
     "no positions": ("Height [um]\n" + rows(order="z"), {}, "scan_length is missing"),
     "an index for positions": ("Index,Height [um]\n" + rows(order="nz"), {}, "scan_length is missing"),
-    "its own length": ("x [um],z [um]\n" + rows(), {"scan_length": 1.0}, "scan_length is 1.0; allowed: none"),
-    "decimal or not": ("0,5\n1,7\n2,9\n" * 20, {}, "decimal is missing"),
+    "its own length": (
+        "x [um],z [um]\n" + rows(),
+        {"scan_length": 1.0},
+        "scan_length is 1.0; allowed: none, .* has positions",
+    ),
+    "decimal or not": ("0,5\n1,7\n2,9\n" * 20, {}, "decimal is missing: in '0,5', commas .*; allowed: comma, or point"),
     "thousands": ("1,234 5,678\n2,345 6,789\n" * 20, UNITS, "decimal is missing"),
     "depths": ("x [um],Depth [um]\n" + rows(), {}, "profile_convention is missing"),
     "a long gap": ("x [um],z [um]\n" + rows(keep=np.r_[:60, 100:COUNT]), {}, "x has a gap of .* of the scan"),
     "too few digits": ("x [um],z [um]\n" + rows(digits=2), {}, "x goes from"),
-    "a period": ("x [um],z [um]\n" + rows(), {"period": 1e-3}, "period is 0.001; allowed: none"),
+    "a period": (
+        "x [um],z [um]\n" + rows(),
+        {"period": 1e-3},
+        "period is 0.001; allowed: none with a file, whose scan is the period",
+    ),
 }
 
 
@@ -338,8 +346,7 @@ def test_read_rightly(tmp_path, name):
         assert scan.period == pytest.approx(COUNT * 1e-6)
         assert np.ptp(scan.indenter.heights) == pytest.approx(6e-9)
         return
-    spacing = 1e-6 if name == "one a micrometre" else SPACING
-    assert scan.period == pytest.approx(COUNT * spacing * length, rel=2e-5 if whole else 1e-4)
+    assert scan.period == pytest.approx(COUNT * SPACING * length, rel=2e-5 if whole else 1e-4)
     got, expected = scan.indenter.heights / length, HEIGHTS.max() - HEIGHTS
     error = np.abs(got - expected).max()
     assert error < (5e-15 if whole else 0.1 * np.ptp(HEIGHTS)), name

@@ -249,7 +249,7 @@ def test_area_grows_with_pressure(d, nu, exponent, factor):
     st.integers(-20, 20),
     st.integers(-20, 20),
     st.sampled_from([math.inf, 0.05]),
-    st.sampled_from(["float64", "float32", "mixed"]),
+    st.sampled_from(["float64", "float32"]),
 )
 def test_scaling_is_exact(length, pressure, d, precision):
     """Powers of two scale every float exactly, so the answer must scale to the last bit."""
@@ -268,9 +268,7 @@ def test_scaling_is_exact(length, pressure, d, precision):
     ("make", "named"),
     [
         (lambda: Layer(0.0), "thickness is 0.0"),
-        (lambda: Layer(-1.0), "thickness"),
         (lambda: Layer(math.nan), "thickness is nan"),
-        (lambda: Layer("thick"), "thickness is 'thick'"),
         (lambda: Layer("0.1"), "thickness is '0.1'; allowed: a length > 0, or inf"),
         (lambda: Layer(b"0.1"), "thickness is b'0.1'"),
         (lambda: Scene(pressure="2"), "pressure is '2'; allowed: a finite pressure >= 0"),
@@ -279,17 +277,14 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: Scene(num_points=64 + 0j), "num_points is \\(64\\+0j\\)"),
         (lambda: Layer(1.0, 0.51), "poisson_ratio is 0.51"),
         (lambda: Layer(1.0, -1.0), "poisson_ratio"),
-        (lambda: Layer(1.0, math.nan), "poisson_ratio"),
         (lambda: Layer(1.0, 0.3, math.inf), "contact_modulus"),
         (lambda: PowerIndenter(1.0), "exponent is 1.0"),
         (lambda: PowerIndenter(math.inf), "exponent"),
         (lambda: PowerIndenter(2.0, 0.0), "radius"),
         (lambda: Scene(pressure=-1.0), "pressure is -1.0"),
-        (lambda: Scene(pressure=-1.0), "pressure"),
         (lambda: Scene(pressure=math.inf), "pressure"),
         (lambda: Scene(period=math.nan), "period"),
         (lambda: Scene(num_points=3), "num_points is 3"),
-        (lambda: Scene(num_points=0), "num_points"),
         (lambda: Scene(num_points=64.5), "num_points"),
         (lambda: Scene(num_points=math.inf), "num_points"),
         (lambda: Scene(num_points=2**31), "num_points"),
@@ -301,7 +296,6 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: solve(hertz(), nested="x"), "nested is 'x'"),
         (lambda: solve(hertz(), progress=5), "progress is 5"),
         (lambda: solve(hertz(), max_iterations=10**18), "allowed: an integer from 1 to 2\\^53"),
-        (lambda: Scene(pressure=1e-200), "pressure/contact_modulus"),
         (lambda: Scene(pressure=5e-324), "pressure/contact_modulus"),
         (lambda: Scene(indenter=PowerIndenter(2.0, 1e-61)), "radius/period is 1e-61; allowed: from 1e-60 to 1e\\+60"),
         (lambda: Scene(Layer(1e-61)), "thickness/period"),
@@ -314,11 +308,11 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: Scene(Layer(contact_modulus=1e61), pressure=1e61), "contact_modulus"),
         (lambda: solve(hertz(), method="cg"), "method is 'cg'.*active-set, mass-weighted-fire, fire"),
         (lambda: solve(hertz(), tolerance=0.0), "tolerance"),
-        (lambda: solve(hertz(), tolerance=math.nan), "tolerance"),
         (lambda: solve(hertz(), tolerance=1.0), "tolerance is 1.0"),
         (lambda: solve(hertz(num_points=2**21, precision="float32")), "num_points is 2097152"),
         (lambda: collocation.solve_layer(Layer(1.0, 0.3), -1.0, 2.0, 1.0), "load is -1"),
-        (lambda: collocation.solve_layer(Layer(-1.0, 0.3), 1e-3, 2.0, 1.0), "thickness"),
+        (lambda: collocation.solve_layer(Layer(), 10.0, 2.0, 1.0), "load is 10"),  # beyond its reach
+        (lambda: collocation.solve_layer(Layer(1e-7, 0.25), 0.03, 2.0, 1e5), "thickness is 1e-07"),  # or the memory
         (lambda: collocation.solve_layer(Layer(1.0, 0.3), 1e-3, 2.0, 1.0, 7), "num_nodes is 7"),
         (lambda: solve(hertz(), max_iterations=0), "max_iterations is 0"),
         (lambda: solve(hertz(), threads=0), "threads"),

@@ -135,19 +135,6 @@ def test_study_round_trip(tmp_path):
     assert not back.complete
 
 
-def test_another_configuration_is_refused(tmp_path):
-    path = tmp_path / "study.h5"
-    study_files.save_study(
-        path, StudyFile("hertz", {"list": (1.0, math.inf)}, [{"status": "converged"}], complete=True)
-    )
-    assert study_files.finished(path, "hertz", {"list": (1.0, math.inf)}).runs
-    with pytest.raises(writing.StoreError, match="holds another study; allowed"):
-        study_files.finished(path, "sharp", {"list": (1.0, math.inf)})
-    with pytest.raises(writing.StoreError, match=r"made with other options \(list, more\); allowed"):
-        study_files.finished(path, "hertz", {"list": (1.0, 2.0), "more": 1})
-    assert study_files.finished(tmp_path / "none.h5", "hertz", {}) is None
-
-
 @pytest.fixture(scope="module")
 def paper_folder(tmp_path_factory):
     """The whole paper at 2^10 points with two surfaces, in this process."""

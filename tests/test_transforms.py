@@ -1,10 +1,7 @@
 """Transforms over shared buffers, short ones, and plain ones."""
 
 import concurrent.futures
-import os
 import signal
-import subprocess
-import sys
 import time
 
 import numpy as np
@@ -37,7 +34,7 @@ def test_round_trip_against_numpy(precision, n):
 @pytest.mark.parametrize("backend", ["warp", "numpy"])
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 @pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("n", [1024, 3072, 2**15, 5 * 2**12])
+@pytest.mark.parametrize("n", [3072, 2**15])
 @pytest.mark.parametrize("threads", [1, 3])
 def test_a_symbol_applied_in_every_way(threads, n, way, precision, backend):
     plan = plan_transforms(n, precision, threads, backend=backend, way=way)
@@ -125,29 +122,15 @@ def test_lengths_that_four_steps_do_not_suit(n):
         plan_transforms(n, "float64", way="four-step")
 
 
-@pytest.mark.parametrize(("n", "length"), [(256, 64), (2**14, 128), (2**20, 1024), (2**26, 4096), (3 * 2**9, 64)])
-def test_rows_of_four_steps(n, length):
-    assert four_step.row_length(n) == length
-
-
 @pytest.mark.parametrize(
     ("n", "settings", "expected"),
     [
-        (2**16, {}, "real"),
-        (2**17, {}, "real"),
-        (2**18, {}, "real"),
         (2**19, {}, "real"),
         (2**20, {}, "four-step"),
-        (2**18 + 2, {}, "real"),
         (2**20 + 2, {}, "real"),
         (2**20 + 128, {}, "real"),
-        (2**20 + 1024, {}, "four-step"),
-        (2**18, {"threads": 2}, "real"),
-        (2**20, {"threads": 2}, "four-step"),
-        (2**18, {"precision": "float32"}, "real"),
-        (2**20, {"precision": "float32"}, "four-step"),
-        (2**20, {"planning": "measure"}, "four-step"),
-        (2**18, {"way": "real"}, "real"),
+        (2**20, {"precision": "float32", "threads": 2, "planning": "measure"}, "four-step"),
+        (2**20, {"way": "real"}, "real"),
     ],
 )
 def test_the_way_that_is_fastest(wisdom_cache, n, settings, expected):
@@ -197,21 +180,6 @@ def test_an_inverse_transform_by_a_pair(n, long):
         np.testing.assert_allclose(pair.real, np.fft.irfft(given, n), atol=1e-13)
 
 
-def test_pairs_are_kept_unless_they_are_long(long):
-    with plain.pair(1000) as pair:
-        pass
-    with plain.pair(1000) as again:
-        assert (pair is again) != long
-
-
-@pytest.mark.parametrize("n", [7, 60])
-def test_plain_transforms_against_their_sums(n):
-    values, i, k = np.random.default_rng(0).standard_normal(n), np.arange(n), np.arange(n // 2 + 1)
-    modes = plain.rfft(values)
-    np.testing.assert_allclose(modes, np.exp(-2j * np.pi * np.outer(k, i) / n) @ values, atol=1e-12)
-    np.testing.assert_allclose(plain.irfft(modes, n), values, atol=1e-13)
-
-
 @pytest.mark.parametrize("n", [4096, 5**6, 65521, 2**18])
 def test_long_plain_transforms_against_numpy(n, long):
     """With plans and buffers that are kept, and with new ones. Also of arrays that are strided, not aligned, read-only
@@ -239,28 +207,3 @@ def test_plain_transforms_on_several_threads():
         for _ in range(20):
             back = pool.map(lambda row: plain.irfft(plain.rfft(row), row.size), values)
             np.testing.assert_allclose(np.array(list(back)), values, rtol=0, atol=1e-14)
-
-
-FORKED = """
-import os, signal
-from linecontact import Scene, solve
-
-solve(Scene(num_points=1024), threads=2)
-child = os.fork()
-if not child:
-    signal.alarm(60)  # what waits for threads that are not there would wait for ever
-    solve(Scene(num_points=1024))
-    try:
-        solve(Scene(num_points=1024), threads=2)
-    except ValueError as error:
-        os._exit(17 if "threads is 2; allowed: 1 in a process that was forked" in str(error) else 1)
-    os._exit(2)
-print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
-solve(Scene(num_points=1024), threads=2)
-"""
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_forked_process_does_not_wait_for_threads_that_it_has_not():
-    ended = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=120)
-    assert (ended.returncode, ended.stdout.split()) == (0, ["17"]), ended.stderr
