@@ -64,7 +64,7 @@ def solve(
     accuracy_of: the quantity it is wanted of, one of `QUANTITIES`: 'contact-area', 'kappa' (both between sub-grid
         edges), 'peak-pressure' or 'approach'. It concerns that alone.
     method: one of `METHODS`, by default `DEFAULT`.
-    nested: start from the solution on coarser grids; by default for the active set only, and not with `initial`.
+    nested: start from the solution on coarser grids; by default for the active set only; never with `initial`.
     tolerance: rms net force on free nodes over the mean pressure at which to stop, 1e-14 to 0.5 (dimensionless); by
         default 1e-8, in float32 the larger of 1e-4 and four times the residual of rounding. Where rounding turns out to
         leave more, `Solution.tolerance` says how much.
@@ -81,7 +81,7 @@ def solve(
     A solve that fails to converge returns, too: see `Solution.status` and `Solution.reason`. So does one that Ctrl-C
     interrupts while it iterates; before the first iteration `KeyboardInterrupt` is passed on. Raises `ValueError`.
     """
-    config = _config(nested, threads, planning, backend, device, progress)
+    config = _config(nested, initial, threads, planning, backend, device, progress)
     chosen = {"method": method, "nested": nested, "tolerance": tolerance, "initial": initial}
     accuracy = _check_goal(scene, accuracy, accuracy_of, chosen | {"max_iterations": max_iterations}, device)
     kind = DEFAULT if accuracy else _kind(method, config)
@@ -102,11 +102,13 @@ def solve(
 
 
 def _config(
-    nested: object, threads: int, planning: str, backend: str, device: str, progress: Progress | None
+    nested: object, initial: object, threads: int, planning: str, backend: str, device: str, progress: Progress | None
 ) -> ExecutionConfig:
     """The configuration that was asked for. Raises `ValueError`, also for a bad `nested`."""
     if not (nested is None or isinstance(nested, bool | np.bool_)):
         raise checks.refusal("nested", nested, "True, False or None")
+    if nested and initial is not None:
+        raise checks.refusal("nested", nested, "False or None with an initial displacement")
     if not (progress is None or callable(progress)):
         raise checks.refusal("progress", progress, "a function of an iteration and a residual, or None")
     threads, planning = check_settings(threads, planning)

@@ -152,8 +152,6 @@ def test_all_files_that_are_written_are_named(tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--save run.h5 --patches link/run.h5", "patches is link/run.h5, which is taken by save"),
-        ("--save run.h5 --plot --patches run.png", "patches is run.png, which is taken by plot"),
         ("--layer file --stiffness-file k.txt --patches ./k.txt", "patches is k.txt, which is taken by stiffness_file"),
         (
             "--profile file --profile-file link/scan.h5 --save scan.h5",
@@ -168,6 +166,13 @@ def test_a_file_is_not_written_over_another_one_of_the_same_command(words, said,
     (tmp_path / "scan.h5").touch()
     assert main(["solve", *words.split(), "--overwrite"]) == 2
     assert capsys.readouterr().err == f"linecontact: {said}; allowed: another file\n"
+
+
+def test_a_table_of_patches_takes_no_figure_s_name(tmp_path, capsys):
+    figure = tmp_path / "run.png"
+    assert main(["solve", "--patches", str(figure)]) == 2
+    said = f"patches is {figure}; allowed: a name for comma-separated values, like {figure.with_suffix('.csv')}"
+    assert capsys.readouterr().err == f"linecontact: {said}\n"
 
 
 @pytest.mark.parametrize("columns", [1, 2])

@@ -1,5 +1,6 @@
 """`linecontact explore` as a program: whom it answers, what it serves, how it ends, and its page in a real browser."""
 
+import contextlib
 import http.client
 import os
 import re
@@ -7,6 +8,8 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -191,6 +194,25 @@ def test_ctrl_c_ends_it_with_one_line(sign):
         with Client(program) as client:
             client.settle()
         assert program.end(sign) == (130, "linecontact: interrupted\n")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_ctrl_c_in_the_midst_of_a_request_ends_it():
+    """Of many refused requests, one is being answered when it comes."""
+
+    def ask():
+        with contextlib.suppress(OSError, http.client.HTTPException):
+            while True:
+                program.ask(Host="evil.example")
+
+    with Server("--num-points", 256) as program:
+        asking = [threading.Thread(target=ask) for _ in range(4)]
+        for thread in asking:
+            thread.start()
+        time.sleep(0.2)
+        assert program.end() == (130, "linecontact: interrupted\n")
+        for thread in asking:
+            thread.join(PATIENCE)
 
 
 def bad(*options, program=CLI, **environment):

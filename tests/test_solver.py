@@ -294,6 +294,7 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: Scene(indenter=PowerIndenter), "indenter is <class"),
         (lambda: Scene(precision=np.array(["float64", "mixed"])), "precision is array"),
         (lambda: solve(hertz(), nested="x"), "nested is 'x'"),
+        (lambda: solve(hertz(), nested=True, initial=np.zeros(2**10)), "nested is True; allowed: False or None with"),
         (lambda: solve(hertz(), progress=5), "progress is 5"),
         (lambda: solve(hertz(), max_iterations=10**18), "allowed: an integer from 1 to 2\\^53"),
         (lambda: Scene(pressure=5e-324), "pressure/contact_modulus"),

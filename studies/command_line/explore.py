@@ -67,5 +67,4 @@ def command(options: Options, given: Given) -> int:
         print(f"{address} shows the page, on this machine only, until Ctrl-C", flush=True)
         if options.browser:
             server.open_browser(address)
-        loop.start()
-    return 0
+        server.answer_requests(loop)

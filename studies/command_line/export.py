@@ -10,9 +10,6 @@ from ..files import csv_tables, writing
 OUTPUT = Path("-")
 """The name that means standard output."""
 
-_OTHER = {".xlsx", ".xls", ".ods", ".h5", ".hdf5", ".npy", ".json", ".png", ".pdf"}
-"""Endings of files that are not comma-separated text."""
-
 
 @dataclass(frozen=True)
 class Options:
@@ -32,9 +29,7 @@ class Options:
 
 def command(options: Options) -> int:
     """Write the table; returns the exit status."""
-    if options.csv.suffix.lower() in _OTHER:
-        other = options.csv.with_suffix(".csv")
-        raise ValueError(f"csv is {options.csv}; allowed: a name for comma-separated values, like {other}")
+    writing.check_csv("csv", options.csv)
     parts = csv_tables.table(options.file)
     if options.csv == OUTPUT:
         sys.stdout.buffer.writelines(parts)

@@ -161,5 +161,6 @@ def check_targets(options: Options, given: Given) -> None:
         written.append(("save", options.save))
         written += [("plot", figure) for figure in names(options.save, [""] * options.plot)]
     if options.patches:
+        writing.check_csv("patches", options.patches)
         written.append(("patches", options.patches))
     writing.check_targets(read, written, options.overwrite, solution_files.patches_head(named({})))

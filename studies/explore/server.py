@@ -4,9 +4,11 @@ import contextlib
 import errno
 import logging
 import re
+import signal
 import time
 import webbrowser
 from collections.abc import Iterator
+from typing import NoReturn
 
 from bokeh.application import Application
 from bokeh.application.handlers.function import FunctionHandler
@@ -127,6 +129,20 @@ def served(start: Start, port: int) -> Iterator[tuple[str, IOLoop]]:
         server.stop()
         for sock in sockets:
             sock.close()
+
+
+def answer_requests(loop: IOLoop) -> NoReturn:
+    """Answer requests until Ctrl-C, which is taken between two of them: Tornado would log it as an error of one."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    taken = {number: handler for number, handler in handlers.items() if callable(handler)}
+    for number in taken:
+        signal.signal(number, lambda *_: loop.asyncio_loop.call_soon_threadsafe(loop.stop))
+    try:
+        loop.start()
+    finally:
+        for number, handler in taken.items():
+            signal.signal(number, handler)
+    raise KeyboardInterrupt
 
 
 def open_browser(address: str) -> None:

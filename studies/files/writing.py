@@ -19,6 +19,9 @@ from .marks import is_ours
 MAX_NAME = 200
 """Bytes of a file's name: most systems take 255, and the names of other files are made from it."""
 
+_OTHER = {".xlsx", ".xls", ".ods", ".h5", ".hdf5", ".npy", ".json", ".png", ".pdf"}
+"""Endings of files that are not comma-separated text."""
+
 Named = tuple[str, Path]
 """An option of the command line, and a file that it names."""
 
@@ -67,6 +70,13 @@ def check_target(path: Path, overwrite: bool) -> None:
     if not path.parent.is_dir():
         raise StoreError(f"folder {path.parent} of file {path.name} does not exist; allowed: an existing folder")
     check_folder(path.parent)
+
+
+def check_csv(option: str, path: Path) -> None:
+    """Raise `StoreError` if an option's file has a name for something else than comma-separated values."""
+    if path.suffix.lower() in _OTHER:
+        other = path.with_suffix(".csv")
+        raise StoreError(f"{option} is {path}; allowed: a name for comma-separated values, like {other}")
 
 
 def check_targets(read: Iterable[Named], written: Iterable[Named], overwrite: bool, head: str) -> None:

@@ -115,7 +115,7 @@ class Bar:
     def __init__(self, what: str) -> None:
         self._what, self._begin, self._said = what, time.monotonic(), time.monotonic()
         self._start: float | None = None  # share of the work when it was shown first
-        self._broken = False
+        self._done, self._broken = 0.0, False
         bar = BarColumn(_BAR, table_column=Column(no_wrap=True))
         columns = (TextColumn("{task.description}"), bar, TextColumn("{task.percentage:3.0f} %"))
         state = TextColumn("{task.fields[state]}", table_column=Column(overflow="fold"))  # alone is wrapped
@@ -153,7 +153,7 @@ class Bar:
                 errors.print(f"a bug, please report it: no progress is shown ({error!r}, {place(error)})", markup=False)
 
     def _show(self, done: float, state: str) -> None:
-        done = min(max(done, 0.0), 1.0) if done == done else 0.0
+        done = self._done = min(max(done, self._done), 1.0) if done == done else self._done  # it never goes back
         self._start = done if self._start is None else self._start
         since = (done - self._start) / max(1e-9, 1 - self._start)
         text = f"{state}, {remaining(since, time.monotonic() - self._begin)}" if done < 1 else state
