@@ -99,35 +99,6 @@ def test_children_of_a_process_that_is_solving_solve_too():
     assert said.stdout.split() == ["0"] * 20, said.stderr
 
 
-SAVING_FORKS = """
-import os, signal, threading, time
-from linecontact import Scene, solve
-
-os.chdir(os.environ["FOLDER"])
-solution = solve(Scene(num_points=64))
-thread = threading.Thread(target=solution.save, args=("thread.h5",))
-thread.start()
-children = []
-for i in range(10):
-    time.sleep(0.02)
-    children.append(os.fork())
-    if not children[-1]:
-        signal.alarm(60)
-        solution.save(f"child{i}.h5")
-        os._exit(0)
-print(*(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children))
-"""
-
-
-@posix
-@pytest.mark.parametrize("first", ["", "import h5py\n"])
-def test_children_of_a_process_whose_first_file_is_being_saved_save_too(tmp_path, first):
-    """Its thread imports h5py at the fork, or has its lock; both processes' threads get that back."""
-    said = python(first + SAVING_FORKS, FOLDER=str(tmp_path))
-    assert said.stdout.split() == ["0"] * 10, said.stderr
-    assert len(list(tmp_path.glob("child*.h5"))) == 10
-
-
 def test_the_end_of_a_plan_waits_for_no_other_thread():
     """It may come with a collection of garbage, beside any lock; the plan goes with a later one."""
     pairs = [plain.Pair(64), plain.Pair(64)]
