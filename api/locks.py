@@ -62,17 +62,17 @@ def once(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
 @contextmanager
 def _free_h5py() -> Iterator[None]:
     """h5py takes its own lock before a fork, perhaps before `_take`, which may wait for an import that needs it."""
-    taken = True
+    early = True
     try:
         sys.modules["h5py._objects"].phil.release()
     except RuntimeError:  # h5py takes it later
-        taken = False
+        early = False
     except (KeyError, AttributeError):  # h5py is not there
         pass
     try:
         yield
     finally:
-        if taken:
+        if early:
             with suppress(KeyError, AttributeError):  # also where it came meanwhile: it gives back after the fork
                 sys.modules["h5py._objects"].phil.acquire()
 

@@ -57,8 +57,7 @@ the half-space's edge may be known, else 0; the pressures of the last three node
 first."""
 OFFSET, SPREAD, BEFORE, ALONE = range(0, 8, 2)
 """First rows of its results, for left and right ends: how far the edge lies inside the last node [grid spacings]; how
-little the pressures look like an edge; the offset of the turn before; pressures without the effect of
-other ends."""
+little the pressures look like an edge; the offset of the turn before; pressures without other ends' effect."""
 SHIFT, DELTA, GROWTH, ROWS = range(4)
 FAR_FIELDS, TABLE = ROWS + 9, ROWS + 18
 """First places of an edge curve's numbers, see `EdgeCurve.packed`; GROWTH: the power beyond the table."""

@@ -37,7 +37,7 @@ class Options(making.Options):
 
 
 def command(options: Options, given: Given) -> int:
-    """Serve the page until Ctrl-C; returns the exit status."""
+    """Serve the page until Ctrl-C, which is passed on."""
     if not 0 <= options.port < 2**16:
         raise ValueError(f"port is {options.port}; allowed: an integer from 0 to 65535")
     try:

@@ -259,8 +259,6 @@ def _waiting_told() -> Iterator[None]:
         yield
     finally:
         try:
-            if signal.getsignal(signal.SIGALRM) is not alarm:
-                signal.setitimer(signal.ITIMER_REAL, 0)
             signal.signal(signal.SIGINT, before)
         finally:  # Ctrl-C may come even now, and starts the timer
             sys.unraisablehook = hook
