@@ -39,19 +39,23 @@ STATE_LENGTH = STOPPED + 1
 SAMPLES = 8
 """Of a slope over a narrow patch, or of the pressure over a gap, at t = cos[pi (k + 1/2)/8], k = 0, 1, ... 7: their
 mean is the one with the weight (1 - t^2)^-1/2."""
-DEGREE, STENCIL = 7, 6
-"""Of the polynomials around these, at most (a displacement's is 6, and that of the integral of a pressure 7), and nodes
-through which heights are interpolated."""
-MIDDLE, HALF_WIDTH, SOLVED = range(3)
-"""Rows of `ends`: m and a, to begin with and in the end [grid spacings]; 1 where they solve the equations, else 0."""
-CENTRE, HALF, MOMENT, EXPONENT = range(DEGREE + 1, DEGREE + 5)
-"""Rows of `runs`, behind those of coefficients: of what is around a run, a polynomial in (x - centre)/half, from the
-highest power; M_1 a^(1 + exponent), 0 for a gap, and its exponent."""
+DEGREE, STENCIL = 6, 6
+"""Of the polynomials around these, at most, and nodes through which heights are interpolated."""
+OF_FIELD, OF_OWN, OF_HEIGHTS, CAUSED = range(4)
+"""Places in `units`: what makes the field and a run's own values those of the equations, and heights where they are to
+be taken off (for gaps); from the last on, what a unit of own values takes off the field 0, 1, ... nodes away."""
+FIRST, SIZE, MARGIN, MOMENT, EXPONENT = range(5)
+"""Rows of `runs`: first node; nodes; nodes to each side that are looked at, too, 0 where nothing is around; M_1 a^(1 +
+exponent), 0 for a gap, and its exponent."""
+MIDDLE, HALF_WIDTH, SOLVED, DEEPER, CENTRE, FOURTH, SIXTH = range(7)
+"""Rows of `ends`: m and a, to begin with and in the end [grid spacings]; 1 where they solve the equations, else 0. Of
+patches: mean of what is around less the heights, with the weight of M_k; where the load acts. How little nodes tell of
+the heights between them: fourth and sixth over second differences."""
 CLOSE = 4e-4
 """Least half-width to begin with [grid spacings], and length of a step of Newton's method that needs no other, over the
 half-width or the spacing, the smaller one."""
 
-SIZE, GAPS, _, KNOWN, PRESSED = range(5)
+NODES, GAPS, _, KNOWN, PRESSED = range(5)
 """First rows of what `pressed_ends` reads of patches: their nodes; those of the gaps to their left and right; 1 where
 the half-space's edge may be known, else 0; the pressures of the last three nodes of left and of right ends, last node
 first."""

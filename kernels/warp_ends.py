@@ -4,6 +4,8 @@ loads of narrow ones, and for gaps, in a thread for each. Derived in `solver/gri
 Float64, in grid spacings.
 """
 
+import math
+
 import warp as wp
 
 from . import layout
@@ -12,11 +14,14 @@ wp.set_module_options({"enable_backward": False})
 
 Doubles = wp.array[wp.float64]
 f64 = wp.float64
-SAMPLES = wp.constant(layout.SAMPLES)
+SAMPLES, ALL = wp.constant(layout.SAMPLES), wp.constant(f64(layout.SAMPLES))
+ANGLE = wp.constant(f64(math.pi / layout.SAMPLES))
 DEGREE, STENCIL = wp.constant(layout.DEGREE), wp.constant(layout.STENCIL)
-MIDDLE, HALF_WIDTH, SOLVED = (wp.constant(one) for one in (layout.MIDDLE, layout.HALF_WIDTH, layout.SOLVED))
-CENTRE, HALF = wp.constant(layout.CENTRE), wp.constant(layout.HALF)
-MOMENT, EXPONENT = wp.constant(layout.MOMENT), wp.constant(layout.EXPONENT)
+COEFFICIENTS = wp.constant(layout.DEGREE + 1)  # a loop over so many is unrolled
+Polynomial = wp.types.vector(length=layout.DEGREE + 1, dtype=f64)
+OF_FIELD, OF_OWN, OF_HEIGHTS, CAUSED = (wp.constant(one) for one in range(layout.CAUSED + 1))
+FIRST, SIZE, MARGIN, MOMENT, EXPONENT = (wp.constant(one) for one in range(layout.EXPONENT + 1))
+MIDDLE, HALF_WIDTH, SOLVED, DEEPER, CENTRE, FOURTH, SIXTH = (wp.constant(one) for one in range(layout.SIXTH + 1))
 CLOSE = wp.constant(f64(layout.CLOSE))
 STEPS = wp.constant(24)
 """Of Newton's method, at most. In their second half those longer than `NEARLY` are halved, as they may go to and fro
@@ -28,7 +33,7 @@ too."""
 
 @wp.func
 def heights(profile: Doubles, powers: Doubles, x: f64):
-    """h' and h'' at x, by the polynomial through the six nodes around it."""
+    """h, h' and h'' at x, by the polynomial through the six nodes around it."""
     n, node = profile.shape[0], int(wp.floor(x))
     t = x - wp.floor(x)
     value, first, second = f64(0.0), f64(0.0), f64(0.0)
@@ -39,30 +44,112 @@ def heights(profile: Doubles, powers: Doubles, x: f64):
         second = second * t + first
         first = first * t + value
         value = value * t + coefficient
-    return first, f64(2.0) * second
+    return value, first, f64(2.0) * second
 
 
 @wp.func
-def around(runs: Doubles, count: int, run: int, x: f64):
-    """The first and second derivatives at x of the polynomial around a run."""
-    half = runs[HALF * count + run]
-    t = (x - runs[CENTRE * count + run]) / half
+def recurrence(k: int, nodes: int):
+    """b_k in P_(k+1) = x P_k - b_k P_(k-1), polynomials that are orthogonal on so many nodes, a spacing apart, about
+    x = 0; also the sum of P_k^2 over that of P_(k-1)^2 (W. Gautschi, Orthogonal Polynomials (2004), table 1.2).
+    """
+    square, all = f64(k * k), f64(nodes * nodes)
+    return square * (all - square) / (f64(16.0) * square - f64(4.0))
+
+
+@wp.func
+def around(fitted: Polynomial, nodes: int, x: f64):
+    """A fitted polynomial at x from the middle of its nodes, with both derivatives."""
     value, first, second = f64(0.0), f64(0.0), f64(0.0)
-    for k in range(DEGREE + 1):
-        second = second * t + first
-        first = first * t + value
-        value = value * t + runs[k * count + run]
-    return first / half, f64(2.0) * second / (half * half)
+    p, p_first, p_second = f64(1.0), f64(0.0), f64(0.0)
+    before, before_first, before_second = f64(0.0), f64(0.0), f64(0.0)
+    for k in range(COEFFICIENTS):
+        value += fitted[k] * p
+        first += fitted[k] * p_first
+        second += fitted[k] * p_second
+        b = recurrence(k, nodes)
+        after, after_first = x * p - b * before, p + x * p_first - b * before_first
+        after_second = f64(2.0) * p_first + x * p_second - b * before_second
+        before, before_first, before_second = p, p_first, p_second
+        p, p_first, p_second = after, after_first, after_second
+    return value, first, second
+
+
+@wp.func
+def fit(field: Doubles, own: Doubles, profile: Doubles, units: Doubles, first: int, size: int, margin: int):
+    """The polynomial of least squares, on a run and `margin` nodes to each side, through a field plus the part that
+    the run's own values, less the heights for a gap, have taken off it.
+    """
+    n, nodes, fitted = field.shape[0], size + 2 * margin, Polynomial()
+    degree = wp.clamp(nodes - 2, 2, DEGREE)
+    for j in range(nodes):
+        value = units[OF_FIELD] * field[((first - margin + j) % n + n) % n]
+        for i in range(size):
+            node = (first + i) % n
+            caused = units[CAUSED + wp.abs(j - margin - i)]
+            value += caused * (units[OF_OWN] * own[node] - units[OF_HEIGHTS] * profile[node])
+        x = f64(j) - f64(nodes - 1) / f64(2.0)
+        p, before, squares = f64(1.0), f64(0.0), f64(nodes)
+        for k in range(COEFFICIENTS):
+            if k <= degree:
+                fitted[k] += value * p / squares
+            after = x * p - recurrence(k, nodes) * before
+            before = p
+            p = after
+            squares *= recurrence(k + 1, nodes)
+    return fitted
+
+
+@wp.func
+def jaggedness(profile: Doubles, first: int, size: int):
+    """Fourth and sixth over second differences of the heights, sums of their magnitudes at the ends and in the middle
+    of a run; infinite where nothing bends.
+    """
+    n = profile.shape[0]
+    second, fourth, sixth = f64(0.0), f64(0.0), f64(0.0)
+    for place in range(4):
+        node = first + n
+        if place == 1:
+            node += (size - 1) // 2
+        if place == 2:
+            node += size // 2
+        if place == 3:
+            node += size - 1
+        h = profile[node % n]
+        one = profile[(node + 1) % n] + profile[(node - 1) % n]
+        two = profile[(node + 2) % n] + profile[(node - 2) % n]
+        three = profile[(node + 3) % n] + profile[(node - 3) % n]
+        second += wp.abs(one - f64(2.0) * h)
+        fourth += wp.abs(two - f64(4.0) * one + f64(6.0) * h)
+        sixth += wp.abs(three - f64(6.0) * two + f64(15.0) * one - f64(20.0) * h)
+    some = second > f64(0.0)
+    return wp.where(some, fourth / second, f64(wp.inf)), wp.where(some, sixth / second, f64(wp.inf))
 
 
 @wp.kernel
-def narrow_ends(profile: Doubles, powers: Doubles, runs: Doubles, ends: Doubles):
+def narrow_ends(
+    profile: Doubles,
+    field: Doubles,
+    own: Doubles,
+    units: Doubles,
+    powers: Doubles,
+    gaps: bool,
+    runs: Doubles,
+    ends: Doubles,
+):
     """M_0 = 0 and M_1 = moment/a^(1 + exponent) by Newton's method for m and a; M_k are the means of g t^k over a run
-    from m - a to m + a, t = (x - m)/a, and g is the slope of the heights less that of the polynomial around the run.
+    from m - a to m + a, t = (x - m)/a. For patches g is the slope of the heights less that of the field around the run,
+    for gaps that field.
 
-    profile: heights, (N,); powers: from six of them to coefficients; runs, ends: rows of `layout`, one after the other.
+    profile, field, own: (N,); powers: from six heights to coefficients; units, runs, ends: see `layout`, rows one after
+    the other.
     """
-    run, count = wp.tid(), ends.shape[0] // (SOLVED + 1)
+    run, count = wp.tid(), ends.shape[0] // (SIXTH + 1)
+    first, size = int(runs[FIRST * count + run]), int(runs[SIZE * count + run])
+    margin = int(runs[MARGIN * count + run])
+    nodes, middle = size + 2 * margin, f64(first) + f64(size - 1) / f64(2.0)
+    fitted = Polynomial()
+    if margin > 0:
+        fitted = fit(field, own, profile, units, first, size, margin)
     m = f64(ends[MIDDLE * count + run])
     a = wp.max(ends[HALF_WIDTH * count + run], CLOSE)
     moment, power = runs[MOMENT * count + run], f64(1.0) + runs[EXPONENT * count + run]
@@ -72,17 +159,17 @@ def narrow_ends(profile: Doubles, powers: Doubles, runs: Doubles, ends: Doubles)
             m_0, m_1 = f64(0.0), f64(0.0)
             by_m, by_both, by_a = f64(0.0), f64(0.0), f64(0.0)
             for sample in range(SAMPLES):
-                t = wp.cos(f64(wp.pi) * (f64(sample) + f64(0.5)) / f64(SAMPLES))
-                g, slope = heights(profile, powers, m + a * t)
-                g_around, slope_around = around(runs, count, run, m + a * t)
-                g -= g_around
-                slope -= slope_around
+                t = wp.cos(ANGLE * (f64(sample) + f64(0.5)))
+                g, slope, bend = around(fitted, nodes, m + a * t - middle)
+                if not gaps:
+                    h, of_heights, bend_of_heights = heights(profile, powers, m + a * t)
+                    g, slope = of_heights - slope, bend_of_heights - bend
                 m_0 += g
                 m_1 += g * t
                 by_m += slope
                 by_both += slope * t
                 by_a += slope * t * t
-            wanted = f64(SAMPLES) * moment * wp.pow(a, -power)
+            wanted = ALL * moment * wp.pow(a, -power)
             f = m_1 - wanted
             by_a += power * wanted / a
             determinant = by_m * by_a - by_both * by_both
@@ -98,12 +185,42 @@ def narrow_ends(profile: Doubles, powers: Doubles, runs: Doubles, ends: Doubles)
                     part = f64(0.5)
                 m -= part * wp.clamp(by_middle, -most, most)
                 a -= part * wp.clamp(by_width, -most, most)
+    fourth, sixth = jaggedness(profile, first, size)
+    deeper, m_1, m_2 = f64(0.0), f64(0.0), f64(0.0)
+    for sample in range(SAMPLES):
+        t = wp.cos(ANGLE * (f64(sample) + f64(0.5)))
+        surface, slope, bend = around(fitted, nodes, m + a * t - middle)
+        h, of_heights, bend_of_heights = heights(profile, powers, m + a * t)
+        deeper += (surface - h) / ALL
+        m_1 += (of_heights - slope) * t
+        m_2 += (of_heights - slope) * t * t
     ends[MIDDLE * count + run] = m
     ends[HALF_WIDTH * count + run] = a
     ends[SOLVED * count + run] = wp.where(good, f64(1.0), f64(0.0))
+    ends[DEEPER * count + run] = deeper
+    ends[CENTRE * count + run] = m + a * m_2 / m_1
+    ends[FOURTH * count + run] = fourth
+    ends[SIXTH * count + run] = sixth
 
 
-SIZE, GAPS, KNOWN, PRESSED = (wp.constant(one) for one in (layout.SIZE, layout.GAPS, layout.KNOWN, layout.PRESSED))
+@wp.kernel
+def squared_slopes(profile: Doubles, powers: Doubles, samples: Doubles, ends: Doubles):
+    """Integrals of h'^2 between the ends of runs, by Gauss and Legendre.
+
+    samples: places from -1 to 1, and their weights; ends: rows of left and right ends; the integrals come into the
+    first.
+    """
+    run, count, places = wp.tid(), ends.shape[0] // 2, samples.shape[0] // 2
+    left, right = f64(ends[run]), ends[count + run]
+    half = (right - left) / f64(2.0)
+    total = f64(0.0)
+    for k in range(places):
+        _h, slope, _bend = heights(profile, powers, left + half * (f64(1.0) + samples[k]))
+        total += samples[places + k] * half * slope * slope
+    ends[run] = total
+
+
+NODES, GAPS, KNOWN, PRESSED = (wp.constant(one) for one in (layout.NODES, layout.GAPS, layout.KNOWN, layout.PRESSED))
 OFFSET, SPREAD, BEFORE, ALONE = (
     wp.constant(one) for one in (layout.OFFSET, layout.SPREAD, layout.BEFORE, layout.ALONE)
 )
@@ -178,7 +295,7 @@ def at_node(curve: Doubles, j: int):
 def beside(patches: Doubles, ends: Doubles, row: int, count: int, patch: int, side: int):
     """Width of a patch, not below two, and of the gap beside one of its ends. row: of the ends' offsets."""
     left, right = row * count, (row + 1) * count
-    width = wp.max(patches[SIZE * count + patch] - f64(1.0) - ends[left + patch] - ends[right + patch], f64(2.0))
+    width = wp.max(patches[NODES * count + patch] - f64(1.0) - ends[left + patch] - ends[right + patch], f64(2.0))
     facing = ends[left + patch] + ends[right + (patch + count - 1) % count]
     if side == 1:
         facing = ends[right + patch] + ends[left + (patch + 1) % count]
@@ -206,7 +323,7 @@ def pressed_ends(curve: Doubles, patches: Doubles, rows: bool, ends: Doubles):
                 if rows:
                     factor = in_row(curve, ends[BEFORE * count + end], width, gap, node)
                 else:
-                    j = int(patches[SIZE * count + patch]) - 1 - node
+                    j = int(patches[NODES * count + patch]) - 1 - node
                     factor = (f64(1.0) - beta) * at_node(curve, j) + beta * at_node(curve, j - 1)
                     factor = wp.max(factor, LEAST_FACTOR)
                 row = 3 * side + node

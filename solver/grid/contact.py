@@ -2,7 +2,7 @@
 knows it better.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,9 +11,8 @@ from ..arrays import Array64, Indices, Mask
 from ..calibration import FITTED
 from .cached import MOST_POINTS
 from .edges import UNRESOLVED_BELOW, UNRESOLVED_ERROR, Edges, find_edges
-from .few_nodes import MOST_NODES, node_compliance, node_stiffness
-from .layer_on_grid import LayerOnGrid
-from .narrow import Field, Heights, Surroundings, from_loads, gap_ends, level_errors
+from .few_nodes import MOST_NODES
+from .narrow import Surface, from_loads, gap_ends
 from .patches import Patches
 from .problem import Problem
 from .shares import shared_loads
@@ -22,7 +21,6 @@ from .unseen import unseen_gaps, unseen_patches
 _JAGGED = 1.9
 """Fourth over second difference of given heights, or at a gap, from which they do not tell the heights between them; 2
 for a wave of four grid spacings, and at a kink."""
-_DIFFERENCES = np.array([[0, 0, 1, -2, 1, 0, 0], [0, 1, -4, 6, -4, 1, 0], [1, -6, 15, -20, 15, -6, 1]]).T
 _LOADS_KNOW_BEST = 10
 """Nodes of patches up to which loads tell the ends better than pressures do, whatever their estimated errors."""
 
@@ -49,16 +47,9 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     inside = pressure[patches.nodes] * scale
     edges, unseen = _apart(find_edges(patches, inside, layer, indenter.of.steepness), n), 0.0
     if displacement is not None and patches.count and not patches.full:
-        spacings = n / problem.scene.period
-        surface = _Surface(
-            layer=layer,
-            given=indenter.of.given_points is not None,
-            heights=Heights(problem.profile, spacings),
-            pressure=lambda nodes: pressure[nodes % n] * scale,
-            displacement=lambda nodes: displacement[nodes % n] * spacings,
-        )
-        edges = _by_loads(surface, patches, edges, inside)
-        edges = edges if indenter.exponent else _by_gaps(surface, patches, edges)  # power profiles have a kink there
+        surface = Surface(problem.profile, displacement, pressure, n / problem.scene.period, scale)
+        edges = _by_loads(problem, surface, patches, edges)
+        edges = edges if indenter.exponent else _by_gaps(problem, surface, patches, edges)  # kinks of power profiles
         unseen = unseen_patches(patches, problem.profile, displacement, layer.thickness > 0)
     unseen += unseen_gaps(patches, inside, kinks=indenter.of.kinked or not indenter.shortest_wave)
     # all ends, those of other patches by the share of the load
@@ -70,87 +61,49 @@ def contact_edges(problem: Problem, pressure: Array64, displacement: Array64 | N
     return Contact(problem, pressure, patches, replace(edges, end_errors=error, unseen=unseen))
 
 
-@dataclass(frozen=True)
-class _Surface:
-    """What is known of the surface on a grid."""
-
-    layer: LayerOnGrid
-    given: bool
-    """Whether the heights are known at nodes only."""
-    heights: Heights
-    """Of the indenter."""
-    pressure: Field
-    """Over E*."""
-    displacement: Field
-    """u [grid spacings]."""
-
-    def uneven(self, first: Indices, size: Indices) -> Array64:
-        """How little the nodes tell of the heights between them: fourth and sixth over second differences, means at the
-        ends and in the middle of each run, taken positive, shape (2, runs). The latter is at least the square of the
-        former, as under one wave, because it may be small by chance.
-        """
-        nodes = first + np.stack([np.zeros_like(size), (size - 1) // 2, size // 2, size - 1])
-        profile = self.heights.profile
-        around = profile[(nodes[..., None] + np.arange(-3, 4)) % profile.size]
-        second, *higher = np.abs(around @ _DIFFERENCES).sum(axis=0).T
-        fourth, sixth = np.divide(higher, second, out=np.full((2, size.size), np.inf), where=second > 0)
-        return np.stack([fourth, np.maximum(sixth, fourth**2)])
-
-
-def _by_loads(surface: _Surface, patches: Patches, edges: Edges, pressure: Array64) -> Edges:
-    """Edges with those ends of narrow patches that their loads tell better than their pressures.
-
-    pressure: over E*, on the contact nodes in compact order.
-    """
-    n, heights, layer, resolved = patches.num_points, surface.heights, surface.layer, surface.layer.thickness > 0
+def _by_loads(problem: Problem, surface: Surface, patches: Patches, edges: Edges) -> Edges:
+    """Edges with those ends of narrow patches that their loads tell better than their pressures."""
+    n, layer, resolved = patches.num_points, problem.layer, problem.layer.thickness > 0
     chosen = np.flatnonzero(patches.size <= min(MOST_NODES if resolved else UNRESOLVED_BELOW - 1, n / 2))
     if not chosen.size:
         return edges
-    first, size, loads = patches.first[chosen], patches.size[chosen], patches.sums(pressure)
-    uneven = surface.uneven(first, size)
+    pressure = surface.pressure[patches.nodes] * surface.scale
+    first, size, loads = patches.first[chosen], patches.size[chosen], patches.sums(pressure)[chosen]
+    gap = patches.gap.min(axis=0)[chosen]
     begin = (edges.left + edges.right)[chosen] / 2, np.minimum(edges.width[chosen], size) / 2
+    found = from_loads(surface, first, size, gap, loads, begin, layer)
+    error = np.full(size.size, UNRESOLVED_ERROR)  # unless resolved not known better than by counting, but narrower
     if resolved:
-        gap = patches.gap.min(axis=0)[chosen]
-        error = FITTED.of_heights * (uneven[1] + 1 / gap**2) + FITTED.of_layer * size**3 / layer.thickness**4
-        around = Surroundings.of(first, size, gap, surface.pressure, surface.displacement, node_compliance)
-        found = from_loads(loads[chosen], heights, begin, around)
+        error = FITTED.of_heights * (found.uneven[1] + 1 / gap**2) + FITTED.of_layer * size**3 / layer.thickness**4
         if patches.count > 1 and n <= MOST_POINTS and found.solved.any():
-            level, centre = level_errors(found, around, heights, loads[chosen])
-            shared = shared_loads(patches, chosen, pressure, found, level, centre, layer.around_node)[chosen]
+            shared = shared_loads(patches, chosen, pressure, found, layer.around_node)[chosen]
             error = np.where(shared > 0, error, UNRESOLVED_ERROR)
-            loads = np.where(shared > 0, shared, loads[chosen])
-            found = from_loads(loads, heights, (found.middle, found.half_width), around)
-    else:  # not known better than by counting, but narrower
-        found = from_loads(loads[chosen], heights, begin, modulus=layer.modulus)
-        error = np.full(size.size, UNRESOLVED_ERROR)
+            loads = np.where(shared > 0, shared, loads)
+            found = from_loads(surface, first, size, gap, loads, (found.middle, found.half_width), layer)
     at = np.stack([chosen, patches.count + chosen])
-    solved = found.solved & ~(surface.given & (uneven[0] > _JAGGED))
+    given = problem.indenter.of.given_points is not None  # heights are known at nodes only
+    solved = found.solved & ~(given & (found.uneven[0] > _JAGGED))
     edges, better = _bettered(edges, patches, at, found.both, error, solved, best=size <= _LOADS_KNOW_BEST)
     unresolved, by_load = edges.unresolved.copy(), edges.by_load.copy()
     unresolved[chosen[better]], by_load[chosen[better]] = False, resolved
     return replace(edges, unresolved=unresolved, by_load=by_load)
 
 
-def _by_gaps(surface: _Surface, patches: Patches, edges: Edges) -> Edges:
+def _by_gaps(problem: Problem, surface: Surface, patches: Patches, edges: Edges) -> Edges:
     """Edges with those ends of patches on both sides of a narrow gap that the gap tells better than they do."""
     n, gap, narrower = patches.num_points, patches.gap[1], np.minimum(patches.size, np.roll(patches.size, -1))
     before = np.flatnonzero((gap <= np.minimum(narrower, MOST_NODES)) & (narrower >= UNRESOLVED_BELOW))
-    if not before.size or not surface.layer.thickness:
+    thickness = problem.layer.thickness
+    if not before.size or not thickness:
         return edges
     behind = (before + 1) % patches.count
     beyond = np.where(behind == 0, n, 0)
     first, size = patches.last[before] + 1, gap[before]
-
-    def negative_opening(nodes: Indices) -> Array64:
-        return surface.displacement(nodes) - surface.heights.profile[nodes % n] * surface.heights.scale
-
-    uneven = surface.uneven(first, size)
-    error = FITTED.of_heights_at_gaps * uneven[0] + FITTED.of_layer * size / surface.layer.thickness**2
-    closed = Surroundings.of(first, size, narrower[before], negative_opening, surface.pressure, node_stiffness)
-    found = gap_ends(closed, edges.right[before], edges.left[behind] + beyond)
+    found = gap_ends(surface, first, size, narrower[before], edges.right[before], edges.left[behind] + beyond)
+    error = FITTED.of_heights_at_gaps * found.uneven[0] + FITTED.of_layer * size / thickness**2
     left, right = found.both
     at, ends = np.stack([patches.count + before, behind]), np.stack([left, right - beyond])
-    edges, better = _bettered(edges, patches, at, ends, error, found.solved & (uneven[0] <= _JAGGED))
+    edges, better = _bettered(edges, patches, at, ends, error, found.solved & (found.uneven[0] <= _JAGGED))
     by_gap = edges.by_gap.copy()
     by_gap[before[better]] = True
     return replace(edges, by_gap=by_gap)

@@ -130,7 +130,7 @@ def pressed_ends(
     """
     count, size = patches.count, patches.size
     given, ends = np.zeros((layout.PRESSED + 6, count)), np.zeros((layout.ALONE + 6, count))
-    given[layout.SIZE], given[layout.GAPS : layout.KNOWN] = size, patches.gap
+    given[layout.NODES], given[layout.GAPS : layout.KNOWN] = size, patches.gap
     if known is not None:
         given[layout.KNOWN] = known
     steps = np.minimum(np.arange(3)[:, None], size - 1)

@@ -12,7 +12,7 @@ from ..scene import SMALLEST
 from ..value import Value
 from .contact import Contact
 from .edges import UNRESOLVED_BELOW, Edges
-from .narrow import Heights
+from .narrow import squared_slopes
 from .patch_table import PatchTable, patch_table
 from .patches import Patches
 from .problem import Problem
@@ -179,8 +179,8 @@ def subgrid_measures(problem: Problem, patches: Patches, edges: Edges) -> tuple[
     if known is None:  # by the heights between ends that loads tell, or let estimate; elsewhere by the nodes
         known = np.full(patches.count, np.nan)
         told = edges.by_load | (patches.size < UNRESOLVED_BELOW) & ~edges.unresolved
-        heights = Heights(problem.profile, num_points / scene.period)
-        known[told] = heights.squared_slopes(edges.left[told], edges.right[told])
+        spacings = num_points / scene.period
+        known[told] = squared_slopes(problem.profile, spacings, edges.left[told], edges.right[told])
     unknown = np.isnan(known)
     whole = np.where(unknown, patches.sums(squared[patches.nodes]), known)
     # the rest of the integral over the nodes' cells, to the next order (Euler and Maclaurin)

@@ -1,7 +1,7 @@
 """How several patches share a load, put right where a grid has the compliance of patches of few nodes slightly wrong.
 
 All patches are pressed by the same approach. If patch k would have to lie deeper by r_k for its load
-(`narrow.level_errors`), then the loads are to change by D_k, of sum 0, such that
+(`narrow`), then the loads are to change by D_k, of sum 0, such that
 
     c_k D_k + sum over j != k of G_kj D_j = r_k + one constant,
 
@@ -27,15 +27,13 @@ def shared_loads(
     chosen: Indices,
     pressure: Array64,
     found: Ends,
-    level: Array64,
-    centre_of_load: Array64,
     green: Array64,
 ) -> Array64:
     """The loads of all patches, shape (M,) [grid spacings], over E*, after some of them were put right.
 
     pressure: over E*, on the contact nodes in compact order; found: ends of the chosen patches with the loads that the
-    grid has; level, centre_of_load: see `narrow.level_errors`; green: see `LayerOnGrid.around_node`. Loads may
-    come out negative or 0: such a patch may not touch at all. Where rounding makes the matrix singular, all stay.
+    grid has; green: see `LayerOnGrid.around_node`. Loads may come out negative or 0: such a patch may not touch at
+    all. Where rounding makes the matrix singular, all stay.
     """
 
     def at(node: Indices) -> Array64:
@@ -48,13 +46,12 @@ def shared_loads(
     compliance = _of_nodes(patches.size, at(np.arange(int(patches.size.max()))))
     moment, error = np.zeros((2, patches.count))
     solved, chosen = found.solved, chosen[found.solved]
-    moved = centre_of_load[solved] - centre[chosen]
+    moved = found.centre[solved] - centre[chosen]
     centre[chosen] += moved
     moment[chosen] = moved * load[chosen]
-    compliance[chosen] += punch_compliance(found.half_width[solved]) - _of_nodes(
-        patches.size[chosen], node_compliance()
-    )
-    error[chosen] = level[solved]
+    of_punch = punch_compliance(found.half_width[solved])
+    compliance[chosen] += of_punch - _of_nodes(patches.size[chosen], node_compliance())
+    error[chosen] = found.deeper[solved] - of_punch * load[chosen]
     shared = load.copy()
     for begin in range(0, patches.count, _TOGETHER):
         some = slice(begin, begin + _TOGETHER)
