@@ -22,16 +22,15 @@ _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
 
 DRAWING, IMPORTING, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(5))
-BUFFERS = threading.Lock()
 """Of Matplotlib, whose settings all threads share; of the imports of the package's front, for a module that is half
 imported would stay so; of Warp's modules; of the launches that Warp records, beside which another launch would crash;
-of FFTW's planner and wisdom; and of the buffers that `solver.transforms.plain` keeps."""
+and of FFTW's planner and wisdom."""
 
 _IMPORTED = "linecontact", "numpy", "pyfftw", "warp", "cupy", "h5py", "matplotlib", "rich", "SurfaceTopography", "bokeh"
 """Packages whose imports end before a fork."""
 
 _taken = threading.local()
-_ALL = (DRAWING, IMPORTING, BUFFERS, COMPILING, RECORDING, PLANNING)
+_ALL = (DRAWING, IMPORTING, COMPILING, RECORDING, PLANNING)
 
 
 def _had_fftw() -> bool:

@@ -17,7 +17,9 @@ from linecontact.solver import (
     solve,
 )
 from linecontact.solver.grid.contact import contact_edges
-from linecontact.solver.grid.narrow import Heights, Surroundings, from_loads
+from linecontact.solver.grid.few_nodes import MARGIN, node_compliance, node_stiffness
+from linecontact.solver.grid.layer_on_grid import layer_on_grid
+from linecontact.solver.grid.narrow import Surface, from_loads, gap_ends, punch_compliance, squared_slopes
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.reference import closed_forms, collocation
@@ -26,13 +28,82 @@ FEW_POINTS = RoughIndenter(hurst=0.3, roll_off_ratio=1 / 8, cut_off_ratio=1 / 64
 """Shortest wave L/512."""
 
 
+def fields(rng, n):
+    """A wavy surface, a smooth displacement and a pressure, of N points a spacing apart."""
+    x = np.arange(n)
+    smooth = sum(rng.normal() * np.cos(2 * np.pi * k * (x / n + rng.random())) / k**2 for k in range(1, 9))
+    profile = 0.02 * (x - n // 2) ** 2 + 1e-3 * smooth
+    return Surface(profile, 1e-2 * smooth, 1e-2 * rng.random(n) * (np.abs(x - n // 2) < 40), 1.0, 1.0)
+
+
+def fitted(field, own, caused, first, size, margin):
+    """What is around one run of nodes, see `narrow`, as a polynomial of the place."""
+    nodes = np.arange(first - margin, first + size + margin)
+    inside = np.arange(first, first + size)
+    values = field[nodes] + caused[np.abs(nodes[:, None] - inside)] @ own[inside]
+    return np.polynomial.Polynomial.fit(nodes, values, max(2, min(6, nodes.size - 2)))
+
+
+def means(g, middle, half_width):
+    """M_0, M_1 and M_2 of a function, by Chebyshev's points."""
+    t = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
+    return [float(np.mean(g(middle + half_width * t) * t**k)) for k in range(3)]
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 7, 16, 32])
+@pytest.mark.parametrize("gap", [2, 5, 40])
+def test_ends_by_loads_solve_their_equations(size, gap):
+    n, first, margin = 128, np.array([64 - size // 2]), min(gap // 2, MARGIN)
+    surface = fields(np.random.default_rng(size + gap), n)
+    around = fitted(surface.displacement, surface.pressure, node_compliance(), first[0], size, margin)
+    load = np.array([math.pi / 4 * 0.04 * (size / 2) ** 2])
+    begin = np.array([64.0]), np.array([size / 2])
+    found = from_loads(surface, first, np.array([size]), np.array([gap]), load, begin, layer_on_grid(Layer(), n, 1.0))
+    middle, half_width = float(found.middle[0]), float(found.half_width[0])
+
+    def height(at):
+        nodes = np.floor(at[:, None]).astype(int) + np.arange(-2, 4)
+        return np.array(
+            [np.poly1d(np.polyfit(k - p, surface.profile[k], 5))(0) for k, p in zip(nodes, at, strict=True)]
+        )
+
+    def slope(at):
+        return (height(at + 1e-4) - height(at - 1e-4)) / 2e-4 - around.deriv()(at)
+
+    assert found.solved[0]
+    m_0, m_1, m_2 = means(slope, middle, half_width)
+    assert m_0 == pytest.approx(0, abs=1e-5 * abs(m_1))
+    assert math.pi / 2 * half_width * m_1 == pytest.approx(load[0], rel=1e-5)
+    assert found.centre[0] == pytest.approx(middle + half_width * m_2 / m_1, abs=1e-5)
+    deeper = means(lambda at: around(at) - height(at), middle, half_width)[0]
+    assert found.deeper[0] == pytest.approx(deeper, rel=1e-6)
+    assert punch_compliance(found.half_width)[0] == pytest.approx(2 / math.pi * math.log(2 / half_width))
+    ends = np.array([middle - half_width]), np.array([middle + half_width])
+    between = np.linspace(*np.concatenate(ends), 2001)
+    squares = np.gradient(height(between), between) ** 2
+    assert squared_slopes(surface.profile, 1.0, *ends)[0] == pytest.approx(np.trapezoid(squares, between), rel=1e-4)
+
+
+@pytest.mark.parametrize("size", [1, 3, 9])
+def test_ends_of_gaps_solve_their_equations(size):
+    n, first, middle = 128, np.array([64]), 63.7 + size / 2
+    x = np.arange(n)
+    opening = 0.1 * np.random.default_rng(size).random(n) * ((x >= 64) & (x < 64 + size))
+    profile, pressure = 0.3 + 1e-3 * x, (x - middle) ** 2 - size**2 / 8 + 0.01 * (x - middle) ** 3
+    surface = Surface(profile, profile - opening, pressure, 1.0, 1.0)
+    closed = fitted(pressure, -opening, node_stiffness(), 64, size, MARGIN)
+    found = gap_ends(surface, first, np.array([size]), np.array([20]), np.array([63.5]), np.array([63.5 + size]))
+    assert found.solved[0]
+    m_0, m_1, _ = means(closed, float(found.middle[0]), float(found.half_width[0]))
+    assert (m_0, m_1) == pytest.approx((0, 0), abs=1e-5 * size**2)
+
+
 @pytest.mark.parametrize("load", [0.0, -1e-5, -1e-3])
 def test_a_patch_without_a_load_has_no_ends(load):
-    x = np.arange(64) - 32
-    around = Surroundings(np.array([32.0]), np.array([2.0]), np.zeros((7, 1)))
-    begin = np.array([32.2]), np.array([0.5])
-    found = from_loads(np.array([load]), Heights(0.01 * x**2, 1.0), begin, around)
-    assert not found.solved[0]
+    x, none = np.arange(64) - 32, np.zeros(64)
+    begin, one = (np.array([32.2]), np.array([0.5])), np.array([1])
+    surface, layer = Surface(0.01 * x**2, none, none, 1.0, 1.0), layer_on_grid(Layer(), 64, 1.0)
+    assert not from_loads(surface, 32 * one, one, 6 * one, np.array([load]), begin, layer).solved[0]
 
 
 @pytest.mark.parametrize("spacings", [1e-12, 1e-3, 0.3, 0.7])
@@ -158,7 +229,7 @@ def test_slopes_are_squared_between_the_ends():
     solution = solve(Scene(indenter=FEW_POINTS, pressure=0.01, num_points=2**12))
     problem = Problem.from_scene(solution.scene)
     edges = contact_edges(problem, solution.contact_pressure, solution.displacement).ends
-    found = Heights(problem.profile, 2**12).squared_slopes(edges.left, edges.right)
+    found = squared_slopes(problem.profile, 2**12, edges.left, edges.right)
     finer, slopes, exact = 64, solution.scene.indenter.slope(2**18, 1.0), np.zeros_like(found)
     for one, (left, right) in enumerate(zip(edges.left, edges.right, strict=True)):
         inside = np.arange(math.ceil(left * finer), math.floor(right * finer) + 1) % 2**18

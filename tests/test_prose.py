@@ -96,7 +96,7 @@ def patches_of_a_few_nodes():
 def limits_of_edges():
     yield "from the polynomial through six nodes"
     yield "of up to the sixth degree, fitted to its values on the patch and on up to three nodes to each side"
-    assert (layout.STENCIL, layout.DEGREE - 1, narrow.MARGIN) == (6, 6, 3)
+    assert (layout.STENCIL, layout.DEGREE, narrow.MARGIN) == (6, 6, 3)
     yield "More than 128 patches are corrected in groups of 128 that follow each other."
     assert shares._TOGETHER == 128
     yield "on which its shortest wave finds the half-space's stiffness to within a fifth"

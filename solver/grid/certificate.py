@@ -60,7 +60,8 @@ def certify(problem: Problem, displacement: Array64) -> tuple[Certificate, Array
     """
     h, n = problem.height, problem.num_points
     pressure, contact = np.zeros(n), np.zeros(n, dtype=bool)
-    with np.errstate(over="ignore", invalid="ignore"), pair(n) as transforms:
+    transforms = pair(n)
+    with np.errstate(over="ignore", invalid="ignore"):
         transforms.multiply(displacement, problem.stiffness)
         elastic = transforms.real
         mean = float(h.mean())

@@ -12,13 +12,13 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ... import locks
-from ...locks import BUFFERS, PLANNING
+from ...locks import PLANNING
 from ..arrays import Array64, Modes, chunks
 
 
@@ -45,8 +45,8 @@ next_fast_len = pyfftw.next_fast_len
 _PATIENCE = 20.0  # s, for a plan that takes microseconds
 IN_PLACE = 2**18
 """Values, in float64, from which FFTW's real transforms take less time in place."""
-_TOO_LONG = 2**22
-"""Values beyond which a pair is not kept."""
+_TOO_LONG, _MOST_KEPT = 2**22, 2**23
+"""Values beyond which a pair is not kept, and of all that a thread keeps."""
 
 
 def library() -> str:
@@ -152,27 +152,32 @@ class Pair:
         return total / n
 
 
-_kept = lru_cache(maxsize=10)(Pair)  # making them takes twice as long as the transform
+class _Kept(threading.local):
+    """The pairs of this thread, by length, the latest last: to make one takes longer than many short transforms."""
+
+    def __init__(self) -> None:
+        self.pairs: dict[int, Pair] = {}
 
 
-@contextmanager
-def pair(num_points: int) -> Iterator[Pair]:
-    """Both transforms of N values with their buffers, which hold anything at first.
+_kept = _Kept()
 
-    Where they are kept, the block takes no other transform of this module, and leaves nothing in the buffers.
+
+def pair(length: int) -> Pair:
+    """Both transforms of so many values with their buffers, which hold anything at first and until the thread asks for
+    this length again.
     """
-    if num_points > _TOO_LONG:
-        yield Pair(num_points)
-        return
-    with BUFFERS:
-        yield _kept(num_points)
+    found = _kept.pairs.pop(length, None) or Pair(length)
+    if length <= _TOO_LONG:
+        _kept.pairs[length] = found
+        while sum(_kept.pairs) > _MOST_KEPT:
+            del _kept.pairs[next(iter(_kept.pairs))]
+    return found
 
 
 def rfft(values: Array64) -> Modes:
     """Half spectrum X_k = sum_i x_i exp(-2 pi i k i/N), k = 0 ... N//2, shape (N//2 + 1,), of N real values."""
-    with pair(values.size) as transforms:
-        modes = transforms.transform(values)
-        return modes.copy() if values.size <= _TOO_LONG else modes
+    modes = pair(values.size).transform(values)
+    return modes.copy() if values.size <= _TOO_LONG else modes
 
 
 def irfft(modes: Modes | Array64, num_points: int) -> Array64:
@@ -180,6 +185,6 @@ def irfft(modes: Modes | Array64, num_points: int) -> Array64:
 
     modes: shape (M,); cut off or filled up with zeros to M = num_points//2 + 1.
     """
-    with pair(num_points) as transforms:
-        transforms.invert(modes[: num_points // 2 + 1])
-        return transforms.real.copy() if num_points <= _TOO_LONG else transforms.real
+    transforms = pair(num_points)
+    transforms.invert(modes[: num_points // 2 + 1])
+    return transforms.real.copy() if num_points <= _TOO_LONG else transforms.real

@@ -14,7 +14,7 @@ from ....kernels import Call, layout, record
 from ...arrays import Array, Array64, Indices, chunks
 from ...grid.cached import MOST_POINTS
 from ...grid.split import Split
-from ...transforms.plain import Pair
+from ...transforms.plain import pair
 from ...transforms.planned import plan_transforms
 from ..method import ExecutionConfig
 
@@ -129,12 +129,12 @@ class Nearby:
         self._image = np.zeros(0)
 
     @cached_property
-    def _transforms(self) -> tuple[Pair, Array64, Pair]:
-        """Those of the blocks moved together, the symbol of `near` for them, and those of one point for each block."""
-        pair, near, kernel = Pair(self._length), self._split.near, np.zeros(self._length)
+    def _near(self) -> Array64:
+        """The symbol of `near` for the blocks moved together."""
+        near, kernel = self._split.near, np.zeros(self._length)
         kernel[: near.size] = near
         kernel[1 - near.size :] = near[:0:-1]
-        return pair, pair.transform(kernel).real / self._length, Pair(self._split.num_blocks)
+        return np.asarray(pair(self._length).transform(kernel).real / self._length)
 
     @cached_property
     def _spread_to(self) -> Indices:
@@ -142,11 +142,12 @@ class Nearby:
 
     def apply(self, values: Array64) -> Array64:
         """G values, up to a constant; both on the nodes of the blocks, shape (B, block)."""
-        split, (pair, near, coarse) = self._split, self._transforms
-        packed = pair.real.reshape(-1, split.block)
+        split, near = self._split, self._near
+        blocks, coarse = pair(self._length), pair(self._split.num_blocks)
+        packed = blocks.real.reshape(-1, split.block)
         packed[:] = 0
         packed[self._position] = values
-        pair.filter(near)
+        blocks.filter(near)
         shares, coarse.real[:] = values @ split.weights, 0
         for column, share in zip(self._spread_to.T, shares.T, strict=True):
             coarse.real[column] += share  # no block twice in a column

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...arrays import Array64, Indices
 from ...grid.layer_on_grid import LayerOnGrid
-from ...transforms.plain import Pair, irfft
+from ...transforms.plain import irfft, pair
 
 
 def inverse_cholesky(column: Array64) -> Array64:
@@ -111,7 +111,6 @@ class Convolution:
 
     def __init__(self, layer: LayerOnGrid, length: int) -> None:
         self._layer, self.length = layer, length
-        self._pair = Pair(length)
         self.count = 0
         """Of the transforms there and back, in the present solve."""
 
@@ -141,9 +140,9 @@ class Convolution:
 
     def __call__(self, symbol: Array64, values: Array64) -> Array64:
         """Circular convolution of zero-padded values with a symbol, shape (length//2 + 1,), at the values' nodes."""
-        pair = self._pair
-        pair.real[: values.size] = values
-        pair.real[values.size :] = 0
-        pair.filter(symbol)
+        ring = pair(self.length)
+        ring.real[: values.size] = values
+        ring.real[values.size :] = 0
+        ring.filter(symbol)
         self.count += 1
-        return np.asarray(pair.real[: values.size] / self.length)
+        return np.asarray(ring.real[: values.size] / self.length)
