@@ -139,10 +139,12 @@ def _unknown(quantity: Quantity, scene: Scene, num_points: int, area: float) -> 
         return False
     if scene.indenter.kinked and (quantity.of_slopes or not quantity.of_area):
         return True
+    sharp = scene.indenter.power_law and scene.indenter.power_law[0] < 2 and area < 1
+    if quantity.of_area and not sharp:
+        return False
     waves = np.array([np.pi / FACTOR, np.pi])  # a sharp tip brings waves of eight spacings with it
     of_tip, shortest = modulus_on_grid(scene.layer, waves, num_points, scene.period)
-    sharp = scene.indenter.power_law and scene.indenter.power_law[0] < 2
-    splits = sharp and area < 1 and of_tip < min(_STIFF, shortest)
+    splits = sharp and of_tip < min(_STIFF, shortest)
     return bool(splits or (not quantity.of_area and shortest < _STIFF))
 
 
