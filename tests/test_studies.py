@@ -67,7 +67,7 @@ def test_the_patches_are_kept(solution, tmp_path):
 
 @pytest.mark.parametrize("left_out", ["patches", "patches/load"])
 def test_a_file_without_patches(left_out, solution, tmp_path, monkeypatch):
-    """As an earlier version has written it; one that lacks some of their columns is damaged."""
+    """As an earlier version has written it; one that lacks some of their columns is of no version."""
     whole, path = tmp_path / "whole.h5", tmp_path / "run.h5"
     solution.save(whole)
     with h5py.File(whole) as source, hdf5.new_file(path) as file:
@@ -79,7 +79,7 @@ def test_a_file_without_patches(left_out, solution, tmp_path, monkeypatch):
     if left_out == "patches":
         assert load(path).patches is None
     else:
-        with pytest.raises(ValueError, match=r"run\.h5 is damaged"):
+        with pytest.raises(ValueError, match=r"run\.h5 is whole, but not as this version writes it"):
             load(path)
 
 

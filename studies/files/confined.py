@@ -2,7 +2,7 @@
 
 HDF5's library crashes or never comes back on some broken files; such a file may also ask for other files, for plugins,
 or for more memory than there is; and the readers of instruments' formats promise nothing. This file is the script of
-that process, too: `python confined.py dataset | result | scan FILE [...]`, which imports no other module of ours.
+that process, too: `python confined.py dataset | scan FILE [...]`, which imports no other module of ours.
 """
 
 import contextlib
@@ -36,9 +36,6 @@ _PACKING = re.compile(
     r"|quantum)",
     re.I,
 )
-_DEPTH = 3  # of groups in a result: lines/name/column
-_LEAST = 2**26  # bytes of a result that are allowed in any case
-_TEXT = 2**20  # bytes of an attribute
 
 
 class RefusedError(ValueError):
@@ -68,11 +65,6 @@ def read_dataset(path: Path, most: int, name: str | None) -> Columns:
 def read_scan(path: Path, most: int) -> Columns:
     """Read positions and heights of a line scan, shape (2, N), N up to `most`, and their unit. Raises like `_run`."""
     return _run("scan", path, str(most))
-
-
-def check_result(path: Path) -> None:
-    """Read all of an HDF5 file of plain datasets, as results are. Raises like `_run`."""
-    _run("result", path)
 
 
 def _run(what: str, path: Path, *more: str) -> Columns:
@@ -181,50 +173,6 @@ def _check_storage(data: "h5py.Dataset", what: str, most: int) -> None:
         raise RefusedError(f"{what} of {size} bytes, chunks included; allowed: up to {most}")
 
 
-def _result(path: str) -> Columns:
-    """Read a whole result: all must be hard links, numbers and text, and not much larger than the file."""
-    import h5py
-
-    most = max(_LEAST, 2 * os.path.getsize(path))
-    declared = 0
-
-    def look(group: "h5py.Group", depth: int) -> None:
-        nonlocal declared
-        _check_attributes(group)
-        for name in group:
-            what = f"{group.name}: {name!r}"
-            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                raise RefusedError(f"{what} is a link; allowed: groups and datasets")
-            item = group[name]
-            if isinstance(item, h5py.Group) and depth < _DEPTH:
-                look(item, depth + 1)
-            elif not isinstance(item, h5py.Dataset) or item.shape is None or item.dtype.kind not in "biufS":
-                raise RefusedError(f"{what} is neither numbers nor text; allowed: those, at most {_DEPTH} groups deep")
-            else:
-                declared += math.prod(item.shape) * item.dtype.itemsize
-                _check_storage(item, what, most)
-                if declared > most:
-                    raise RefusedError(f"{what} makes it {declared} bytes; allowed: up to {most}")
-                _check_attributes(item)
-                item[()]
-
-    with h5py.File(path, "r") as file:
-        look(file, 1)
-    return Columns(np.zeros(0), "")
-
-
-def _check_attributes(item: "h5py.Group | h5py.Dataset") -> None:
-    import h5py
-
-    for name in item.attrs:
-        kind = item.attrs.get_id(name)
-        text = h5py.check_string_dtype(kind.dtype) is not None
-        if kind.shape != () or not (text or kind.dtype.kind in "biuf"):
-            raise RefusedError(f"{item.name}: attribute {name!r} is neither a number nor text")
-        if text and len(item.attrs[name]) > _TEXT:
-            raise RefusedError(f"{item.name}: attribute {name!r} is too long; allowed: up to {_TEXT} bytes")
-
-
 def _scan(path: str, most: str) -> Columns:
     import SurfaceTopography
 
@@ -251,7 +199,7 @@ def _main(what: str, seconds: str, *arguments: str) -> None:
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # the output of libraries is no answer
     _limit(int(seconds), MEMORY + os.path.getsize(arguments[0]))
-    tasks: dict[str, Callable[..., Columns]] = {"dataset": _dataset, "result": _result, "scan": _scan}
+    tasks: dict[str, Callable[..., Columns]] = {"dataset": _dataset, "scan": _scan}
     values = np.zeros(0)
     answer: dict[str, Any]
     try:

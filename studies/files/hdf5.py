@@ -1,8 +1,7 @@
 """HDF5 files with a checksum: the common part of solution files and study files.
 
 Before the HDF5 part, as its user block, stands the SHA-256 of all that follows. A file is read only if the checksum
-fits and, unless this process has written it, after a process of its own has read it without harm (`confined`): a
-checksum keeps damage away but no malice, and HDF5's library does not survive every file.
+fits: HDF5's library does not survive every damaged file. Against malice nothing is done.
 """
 
 import contextlib
@@ -16,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..terminal.text import printable
-from . import confined
 from .writing import DamagedError, StoreError, write_bytes
 
 if TYPE_CHECKING:  # h5py is imported where a file is opened: much of the program never opens one
@@ -26,7 +24,6 @@ _HEAD = 512  # bytes of HDF5's user block
 _MAX_TEXT = 10_000  # characters of a stored text that are kept
 
 _written: set[str] = set()  # checksums of files that this process has written
-_sound: set[str] = set()  # checksums of files that this process has written or checked
 
 
 @contextlib.contextmanager
@@ -49,9 +46,8 @@ def new_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
 
 @contextlib.contextmanager
 def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
-    """Read an HDF5 file; raises `StoreError` for a missing or foreign one, `DamagedError` for a damaged one.
-
-    A file is also damaged if the reader does not find in it the names that it looks for.
+    """Read an HDF5 file; raises `StoreError` for a missing or foreign one, `DamagedError` for a damaged one, also where
+    the reader does not find in it the names that it looks for.
     """
     path = Path(path)
     if not os.path.isfile(path):  # Path's own raises for some names
@@ -59,9 +55,6 @@ def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
         raise StoreError(f"file {path} {what}; allowed: an HDF5 file")
     digest = _verify(path)
     try:
-        if digest not in _sound | _written:
-            confined.check_result(path)
-            _sound.add(digest)
         import h5py
 
         with h5py.File(path, "r") as file:
@@ -69,8 +62,10 @@ def open_file(path: str | os.PathLike[str]) -> Iterator["h5py.File"]:
     except (AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError) as error:  # h5py's, and groups
         if isinstance(error, StoreError) or digest in _written:  # a bug
             raise
-        reason = f"{type(error).__name__}: {error}"
-        raise DamagedError(f"file {path} is damaged or not one of linecontact's HDF5 files, {reason}") from error
+        why = f"file {path} is whole, but not as this version writes it ({type(error).__name__}: {error})"
+        allowed = "one of this version's, or to make it anew"
+        bug = "if this version has written it, this is a bug, please report it"
+        raise DamagedError(f"{why}; allowed: {allowed}; {bug}") from error
 
 
 def _verify(path: Path) -> str:
