@@ -4,10 +4,15 @@ sphinx-build -W docs docs/build
 """
 
 import re
+import sys
+from pathlib import Path
 
 from docutils import nodes
 from docutils.utils.math import latex2mathml
 from linecontact import __version__
+
+sys.path.append(str(Path(__file__).parent))
+import fill_in
 
 project, author, release = "linecontact", "the linecontact developers", __version__
 copyright = author
@@ -36,12 +41,15 @@ def _block(self, node: nodes.math_block) -> None:  # type: ignore[no-untyped-def
     raise nodes.SkipNode
 
 
-def _files_as_they_are(app, page, content: list[str]) -> None:  # type: ignore[no-untyped-def]
-    """Markdown files elsewhere in the repository are not pages of the site: links to them give the file."""
+def _for_the_site(app, page, content: list[str]) -> None:  # type: ignore[no-untyped-def]
+    """Help texts and names are made now. Markdown files elsewhere in the repository are not pages of the site: links to
+    them give the file.
+    """
+    content[0] = fill_in.made(content[0])
     content[0] = re.sub(r"\]\((\.\./[^)#]+\.md)\)", r"](path:\1)", content[0])
 
 
 def setup(app) -> None:  # type: ignore[no-untyped-def]
     """Formulas as MathML, which browsers draw themselves."""
     app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
-    app.connect("source-read", _files_as_they_are)
+    app.connect("source-read", _for_the_site)

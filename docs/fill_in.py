@@ -1,16 +1,18 @@
-"""Write into the pages text from elsewhere: stored results, help texts, signatures and docstrings.
+"""Write into the pages text from elsewhere: stored results; help texts, signatures and docstrings.
 
     python docs/fill_in.py            # fills in every page anew
     python docs/fill_in.py --check    # names the pages that disagree, exit status 1
 
-A page says where a text is to stand, and which one, by two lines around it:
+A page says where a text from stored results is to stand, and which one, by two lines around it:
 
     <!-- report: peers -->  ...  <!-- end -->
 
+One line, `<!-- help -->` or `<!-- names -->`, says where the site has what the program itself tells (`made`).
+
 `report: NAME` is the report of a study on its results in studies/results; with patterns behind the name, parted by
 bars, only the tables whose titles match one of them, and for `sentences` all but tables; NAME=FILE is its report on
-FILE.h5 there. `help: COMMAND` is the help text of a command, `names` the public Python names, `statements: NAME` the
-statements of others beside those of the study paper or pressure, `compare` a small table beside other programs.
+FILE.h5 there. `statements: NAME` are the statements of others beside those of the study paper or pressure, `compare`
+is a small table beside other programs. `help` are the help texts of all commands, `names` the public Python names.
 """
 
 import dataclasses
@@ -30,6 +32,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
+from linecontact.studies.command_line import main
 from linecontact.studies.files import study_files
 from linecontact.studies.paper import markdown
 from linecontact.studies.paper import statements as paper
@@ -44,7 +47,8 @@ from rich.console import Console
 ROOT = Path(__file__).parent.parent
 RESULTS = ROOT / "studies" / "results"
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"(<!-- (\w+)(?:: ([^>]*?))? -->\n).*?(<!-- end -->)", re.DOTALL)
+BLOCK = re.compile(r"(<!-- (report|statements|compare)(?:: ([^>]*?))? -->\n).*?(<!-- end -->)", re.DOTALL)
+MADE = re.compile(r"<!-- (help|names) -->\n")
 WIDTH = 80
 
 
@@ -86,18 +90,19 @@ def _text(part: object) -> str:
     return "\n".join(line.rstrip() for line in output.getvalue().rstrip().splitlines())
 
 
-def command_help(command: str) -> str:
-    """The output of `linecontact COMMAND --help`."""
-    words = [sys.executable, "-m", "linecontact.studies", *command.split(), "--help"]
-    said = subprocess.run(words, capture_output=True, text=True, check=True, env=_plain_environment()).stdout
+def command_help() -> str:
+    """The output of `linecontact --help` and of `linecontact COMMAND --help`, each under its heading."""
+    return _help() + "".join(f"\n## {command}\n\n{_help(command)}" for command in main.COMMANDS)
+
+
+def _help(*command: str) -> str:
+    plain = os.environ | {"COLUMNS": str(WIDTH), "NO_COLOR": "1", "TERM": "dumb"}
+    words = [sys.executable, "-m", "linecontact.studies", *command, "--help"]
+    said = subprocess.run(words, capture_output=True, text=True, check=True, env=plain).stdout
     return "```\n" + said.rstrip() + "\n```\n"
 
 
-def _plain_environment() -> dict[str, str]:
-    return os.environ | {"COLUMNS": str(WIDTH), "NO_COLOR": "1", "TERM": "dumb"}
-
-
-def names(_: str) -> str:
+def names() -> str:
     """The public names: signature, docstring, and of a class its members."""
     package = importlib.import_module("linecontact")
     return "\n".join(_name(name, getattr(package, name)) for name in package.__all__ if not name.startswith("__"))
@@ -193,19 +198,22 @@ def _time_of_a_point(others: int) -> list[list[str]]:
 
 SOURCES: dict[str, Callable[[str], str]] = {
     "report": report,
-    "help": command_help,
-    "names": names,
     "statements": statements,
     "compare": compare,
 }
 
 
 def filled(text: str) -> str:
-    """A page's text with everything made anew."""
+    """A page's text with everything from stored results made anew."""
     return BLOCK.sub(lambda found: found[1] + SOURCES[found[2]](found[3] or "") + found[4], text)
 
 
-def main() -> int:
+def made(text: str) -> str:
+    """A page's text with help texts and names, as the site has it."""
+    return MADE.sub(lambda found: {"help": command_help, "names": names}[found[1]](), text)
+
+
+def _main() -> int:
     """Fill in all pages, or check them; the exit status."""
     stale = [page for page in PAGES if page.read_text() != filled(page.read_text())]
     for page in stale:
@@ -218,4 +226,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(_main())
