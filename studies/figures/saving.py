@@ -8,6 +8,8 @@ from pathlib import Path
 import matplotlib
 from linecontact.locks import DRAWING
 from matplotlib.figure import Figure
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from ..files.marks import FORMATS, is_ours, marked, names
 from ..files.writing import StoreError, expecting, write_bytes
@@ -42,13 +44,24 @@ def save(
             in_plain_text(figure)
             _lay_out(figure)
             for form, file in zip(FORMATS, names(path, [ending]), strict=True):
-                image = io.BytesIO()
-                figure.savefig(image, format=form[1:], metadata=marked(form))
-                write_bytes(file, [image.getvalue()])
+                write_bytes(file, [_image(figure, form)])
                 written.append(file)
             if pyplot := sys.modules.get("matplotlib.pyplot"):  # then it may have made the figure, and keeps it
                 pyplot.close(figure)
     return written
+
+
+def _image(figure: Figure, form: str) -> bytes:
+    """A figure as a file with that ending."""
+    image, palette = io.BytesIO(), io.BytesIO()
+    figure.savefig(image, format=form[1:], metadata=marked(form))
+    if form != ".png":
+        return image.getvalue()
+    with Image.open(image) as full:  # 256 colours take a third of the room
+        notes, name = PngInfo(), "Software"
+        notes.add_text(name, full.info[name])
+        full.convert("RGB").quantize().save(palette, "png", pnginfo=notes, dpi=full.info["dpi"])
+    return palette.getvalue()
 
 
 def _lay_out(figure: Figure) -> None:
