@@ -119,14 +119,10 @@ def test_a_slider_changes_the_area_through_the_server(server):
         assert f"a_r = {expected:.6g}" in again.settle()
 
 
-@pytest.mark.parametrize(
-    ("link", "message"),
-    [({"poisson_ratio": "7"}, "poisson_ratio is 7"), ({"profile_file": "/etc/passwd"}, "allowed: ")],
-)
-def test_a_bad_link_is_said_on_the_page(server, link, message):
-    with Client(server, **link) as client:
+def test_a_bad_link_is_said_on_the_page(server):
+    with Client(server, poisson_ratio="7") as client:
         assert "d/L = 0.1," in client.settle()
-        assert message in client.text("note")
+        assert "poisson_ratio is 7" in client.text("note")
 
 
 def test_the_page_names_no_other_host(server):
@@ -148,7 +144,6 @@ def test_the_page_names_no_other_host(server):
         ("/autoload.js", {}),
         ("/metadata", {}),
         ("/../pyproject.toml", {}),
-        ("/ws", {"Origin": "http://127.0.0.1:1", "Upgrade": "websocket", "Connection": "Upgrade"}),
     ],
 )
 def test_whoever_is_not_meant_is_refused(server, path, headers):
@@ -159,14 +154,8 @@ def test_whoever_is_not_meant_is_refused(server, path, headers):
 
 def test_only_scripts_are_served_as_files(server):
     assert server.ask("/static/js/bokeh.min.js")[0] == 200
-    for path in (
-        "/static/../../server/server.py",
-        "/static/%2e%2e/%2e%2e/__init__.py",
-        "/static//etc/passwd",
-        "/static/%00",
-        "/static/%ff",
-    ):
-        assert server.ask(path)[0] in (403, 404)
+    for path in ("../../server/server.py", "%2e%2e/%2e%2e/__init__.py", "/etc/passwd", "%00", "%ff"):
+        assert server.ask(f"/static/{path}")[0] in (403, 404)
 
 
 def test_a_websocket_of_a_foreign_origin_or_without_a_token_is_refused(server):
@@ -189,15 +178,7 @@ def test_other_machines_cannot_connect(server):
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_ends_it_with_one_line(sign):
-    with Server("--num-points", 256) as program:
-        with Client(program) as client:
-            client.settle()
-        assert program.end(sign) == (130, "linecontact: interrupted\n")
-
-
-@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-def test_ctrl_c_in_the_midst_of_a_request_ends_it():
+def test_a_signal_in_the_midst_of_a_request_ends_it_with_one_line(sign):
     """Of many refused requests, one is being answered when it comes."""
 
     def ask():
@@ -210,57 +191,41 @@ def test_ctrl_c_in_the_midst_of_a_request_ends_it():
         for thread in asking:
             thread.start()
         time.sleep(0.2)
-        assert program.end() == (130, "linecontact: interrupted\n")
+        assert program.end(sign) == (130, "linecontact: interrupted\n")
         for thread in asking:
             thread.join(PATIENCE)
 
 
 def bad(*options, program=CLI, **environment):
     """The one line on standard error of a command that cannot be done."""
-    result = subprocess.run(
-        [*program, *map(str, options)],
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        env={**os.environ, **environment},
-    )
+    words = [*program, *map(str, options)]
+    result = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, env={**os.environ, **environment})
     assert result.returncode == 2, result.stderr
     assert result.stderr.count("\n") == 1
     assert result.stderr.startswith("linecontact: ")
     return result.stderr
 
 
-def test_a_port_that_is_taken(server):
+def test_what_cannot_be_served_is_one_line_and_status_2(server, tmp_path):
     assert f"port is {server.port}, which another program has" in bad("--port", server.port, "--num-points", 256)
+    said = bad("--port", 0, "--browser", "--num-points", 256, PATH=str(tmp_path), BROWSER=str(tmp_path / "none"))
+    assert "--browser is given, but none could be opened; allowed: without it, and http://127.0.0.1:" in said
+    program = "import sys; sys.modules['bokeh'] = None; from linecontact.studies.__main__ import main; sys.exit(main())"
+    assert "pip install -e '.[explore]'" in bad("explore", program=[sys.executable, "-c", program])
 
 
 def test_bad_input_is_one_line_and_status_2(tmp_path, capsys):
     scan = write_scan(tmp_path)
     for said, *words in (
         ("port is 65536; allowed: an integer from 0 to 65535", "--port", 65536),
-        ("thickness is -1", "--thickness", -1),
         ("num_points is 1024", "--profile", "rough", "--num-points", 1024),
-        ("this is not a file", "--profile", "file", "--profile-file", tmp_path / "none.csv"),
         ("contact_modulus (or youngs_modulus) and pressure are missing", "--profile", "file", "--profile-file", scan),
         ("accuracy is 0.01", "--accuracy", 0.01),
-        ("perhaps meant as --browser", "--browse"),
     ):
         assert main.main(["explore", *map(str, words)]) == 2
         line = capsys.readouterr().err
         assert said in line
         assert line.count("\n") == 1
-        assert line.startswith("linecontact: ")
-
-
-def test_no_browser_is_one_line_and_status_2(tmp_path):
-    said = bad("--port", 0, "--browser", "--num-points", 256, PATH=str(tmp_path), BROWSER=str(tmp_path / "none"))
-    assert "--browser is given, but none could be opened; allowed: without it, and http://127.0.0.1:" in said
-
-
-def test_a_missing_extra_is_one_line_and_status_2():
-    program = "import sys; sys.modules['bokeh'] = None; from linecontact.studies.__main__ import main; sys.exit(main())"
-    said = bad("explore", program=[sys.executable, "-c", program])
-    assert "pip install -e '.[explore]'" in said
 
 
 def test_a_scan_that_went_away_is_told_and_nothing_is_lost(tmp_path):
@@ -282,6 +247,19 @@ def test_a_scan_that_went_away_is_told_and_nothing_is_lost(tmp_path):
 
 needs_browser = pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
 _ANSWER = "Bokeh.documents[0].get_model_by_name('answer').value"
+
+
+@contextlib.contextmanager
+def opened(server, *size):
+    """The page in a browser, once it shows an answer; in the end the browser has nothing to complain of."""
+    with browser.Browser(*size) as page:
+        page.open(server.address)
+        page.wait("typeof Bokeh !== 'undefined' && Bokeh.documents.length > 0")
+        page.wait(f"{_ANSWER}.includes('a_r =')")
+        yield page
+        assert not page.troubles
+
+
 _BOXES = """(() => {
     const find = (root) => [...root.querySelectorAll('*')].flatMap(
         (node) => [node, ...(node.shadowRoot ? find(node.shadowRoot) : [])])
@@ -291,10 +269,8 @@ _BOXES = """(() => {
 
 @needs_browser
 def test_the_page_in_a_browser(server):
-    with browser.Browser() as page:
-        page.open(server.address)
-        page.wait("typeof Bokeh !== 'undefined' && Bokeh.documents.length > 0")
-        before = page.wait(f"{_ANSWER}.includes('a_r =') && {_ANSWER}")
+    with opened(server) as page:
+        before = page.value(_ANSWER)
         page.wait(f"{_BOXES}.length === 5 && {_BOXES}.every((box) => box.readOnly)")
         page.value("Bokeh.documents[0].get_model_by_name('thickness').value = -3")
         after = page.wait(f"{_ANSWER}.includes('d/L = 0.001,') && {_ANSWER}")
@@ -305,7 +281,6 @@ def test_the_page_in_a_browser(server):
         asked = [urlsplit(address) for address in page.requests if not address.startswith(("data:", "blob:"))]
         assert {one.netloc for one in asked} == {f"127.0.0.1:{server.port}"}
         assert any(one.scheme == "ws" for one in asked)
-        assert not page.troubles
 
 
 _TICKS = """((low, high) => {
@@ -318,10 +293,7 @@ _TICKS = """((low, high) => {
 
 @needs_browser
 def test_a_logarithmic_axis_has_ticks_everywhere(server):
-    with browser.Browser() as page:
-        page.open(server.address)
-        page.wait("typeof Bokeh !== 'undefined' && Bokeh.documents.length > 0")
-        page.wait(f"{_ANSWER}.includes('a_r =')")
+    with opened(server) as page:
         for low, high, ticks in (
             (3e-4, 0.03, "5e-4 0.001 0.002 0.005 0.01 0.02"),
             (3e-5, 0.3, "1e-4 0.001 0.01 0.1"),
@@ -331,18 +303,13 @@ def test_a_logarithmic_axis_has_ticks_everywhere(server):
             found = page.value(f"{_TICKS}({low}, {high})")
             assert " ".join(map(str.strip, found)) == ticks
             assert {len(text) for text in found} == {8}  # of one width: others would have the page laid out anew
-        assert not page.troubles
 
 
 @needs_browser
 @pytest.mark.parametrize("width", [390, 1400])
 def test_the_page_is_not_wider_than_the_screen(server, width):
-    with browser.Browser(width, 800) as page:
-        page.open(server.address)
-        page.wait("typeof Bokeh !== 'undefined' && Bokeh.documents.length > 0")
-        page.wait(f"{_ANSWER}.includes('a_r =')")
+    with opened(server, width, 800) as page:
         page.wait(f"document.documentElement.scrollWidth <= {width}")
-        assert not page.troubles
 
 
 _HOOK = """(() => {
@@ -373,10 +340,7 @@ _MOVE = """new Promise((resolve) => {
 @needs_browser
 @pytest.mark.parametrize("profile", ["power", "rough"])
 def test_time_from_a_slider_to_the_screen(profile):
-    with Server("--num-points", 2**14, "--profile", profile) as program, browser.Browser() as page:
-        page.open(program.address)
-        page.wait("typeof Bokeh !== 'undefined' && Bokeh.documents.length > 0")
-        page.wait(f"{_ANSWER}.includes('a_r =')")
+    with Server("--num-points", 2**14, "--profile", profile) as program, opened(program) as page:
         page.wait("Bokeh.documents[0].get_model_by_name('status').value === ''")
         assert page.value(_HOOK) == 4
         page.value("new Promise((resolve) => setTimeout(resolve, 4000))")  # both curves
@@ -390,7 +354,6 @@ def test_time_from_a_slider_to_the_screen(profile):
             print(f"{profile}, {what}: median {sorted(of)[20]:.0f} ms, nine of ten within {sorted(of)[36]:.0f} ms")
             assert all(0 < time < 1e5 for time in of)
         assert all(arrived < painted < after for arrived, painted, after in times)
-        assert not page.troubles
 
 
 @pytest.mark.slow
