@@ -1,14 +1,14 @@
 """What is printed on terminals of any width, and in files: no digit is lost, and errors are rounded up."""
 
 import io
-import itertools
 import re
 from collections import Counter
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from linecontact.solver import Layer, MeasuredIndenter, PowerIndenter, RoughIndenter, Scene, solve
-from linecontact.solver.display import counted, rounded_up
+from linecontact.solver.display import rounded_up
 from linecontact.studies.command_line.solution_tables import choices_table, solution_table
 from linecontact.studies.explore import wording
 from linecontact.studies.explore.answers import Answer
@@ -49,12 +49,9 @@ def test_a_narrow_terminal_loses_nothing_of_a_table(solution, width):
         assert width < 40 or max(map(len, narrow.splitlines())) <= width
 
 
-@pytest.mark.parametrize("width", [40, 60, 80, 120])
-@pytest.mark.parametrize(
-    "state", ["iteration 12345, residual 5.6e-05", "12 of 345 done, 0.12 a second, worst residual 1e-09"]
-)
-def test_a_narrow_terminal_loses_nothing_of_a_progress_line(state, width):
-    bar = console.Bar("solve")
+@pytest.mark.parametrize("width", [40, 80, 120])
+def test_a_narrow_terminal_loses_nothing_of_a_progress_line(width):
+    bar, state = console.Bar("solve"), "12 of 345 done, 0.12 a second, worst residual 1e-09"
     for done, left in ((0.0, ", time left unknown"), (1.0, "")):
         bar.show(lambda done=done: (done, state))
         shown = printed(bar._progress.get_renderable(), width, terminal=True)
@@ -66,19 +63,12 @@ def test_a_narrow_terminal_loses_nothing_of_a_progress_line(state, width):
 
 @pytest.mark.parametrize(
     ("load", "options", "said"),
-    [
-        (2e-3, {"max_iterations": 1}, " (needs a result as asked) not computed pressure/length"),
-        (2e-3, {"accuracy": 1e-9, "accuracy_of": "peak-pressure"}, " (needs a result as asked) not computed press"),
-        (100.0, {}, " inf pressure/length"),
-    ],
+    [(2e-3, {"max_iterations": 1}, "(needs a result as asked) not computed"), (100.0, {}, "inf")],
 )
 def test_the_row_of_the_stiffness_is_always_there(load, options, said):
     found = solve(Scene(Layer(), RoughIndenter(cut_off_ratio=0.1), load, num_points=2**10), **options)
-    table = solution_table(found)
-    units = set(table.columns[2].cells)
-    assert units == {"-", "length", "pressure", "pressure/length", "s"}
-    text = " ".join(printed(table, 200).replace("\u2502", "").split())
-    assert f"contact stiffness dp/d(approach){said}" in text
+    text = " ".join(printed(solution_table(found), 200).replace("\u2502", "").split())
+    assert f"contact stiffness dp/d(approach) {said} pressure/length" in text
 
 
 def rows(solution):
@@ -87,8 +77,7 @@ def rows(solution):
     return {name.strip(): (value, unit) for name, value, unit in zip(quantities, values, units, strict=True)}
 
 
-def number(solution, name):
-    return float(rows(solution)[name][0])
+PRESSURE = "reduced pressure p* = p/(E* g_c)"
 
 
 @pytest.mark.parametrize(
@@ -102,22 +91,25 @@ def number(solution, name):
 def test_the_rows_of_a_solve_fit_together(scene):
     """p* = p/(E* g_c), kappa = a_r/p* and d/(a_r L) follow from the rows above them."""
     found = solve(scene)
-    area, reduced = number(found, "contact area a_r"), number(found, "reduced pressure p* = p/(E* g_c)")
-    load = number(found, "mean pressure p") / number(found, "contact modulus E*")
-    assert reduced == pytest.approx(load / number(found, "rms gradient in contact g_c"), rel=1e-6)
-    assert number(found, "kappa = a_r/p*") == pytest.approx(area / reduced, rel=1e-6)
-    width = number(found, "contact width a_r L")
-    assert width == pytest.approx(area * scene.period, rel=1e-6)
-    assert number(found, "thickness over width d/(a_r L)") == pytest.approx(scene.layer.thickness / width, rel=1e-6)
-    assert number(found, "by counting nodes: a_r") == pytest.approx(found.contact.mean(), rel=1e-6)
-    assert number(found, "by counting nodes: kappa") == pytest.approx(found.observables.kappa, rel=1e-6)
+    known = {name: float(value) for name, (value, _) in rows(found).items() if re.fullmatch(r"inf|[\d.e+-]+", value)}
+    area, reduced, width = (known[name] for name in ("contact area a_r", PRESSURE, "contact width a_r L"))
+    load = known["mean pressure p"] / known["contact modulus E*"]
+    for shown, expected in (
+        (reduced, load / known["rms gradient in contact g_c"]),
+        (known["kappa = a_r/p*"], area / reduced),
+        (width, area * scene.period),
+        (known["thickness over width d/(a_r L)"], scene.layer.thickness / width),
+        (known["by counting nodes: a_r"], found.contact.mean()),
+        (known["by counting nodes: kappa"], found.observables.kappa),
+    ):
+        assert shown == pytest.approx(expected, rel=1e-6)
     assert ("kappa over kappa_inf of the half-space" in rows(found)) == isinstance(scene.indenter, PowerIndenter)
 
 
 def test_what_is_not_known_is_said():
     none = rows(solve(Scene(Layer(), approach=0.0, num_points=2**10)))
     assert none["contact area a_r"] == ("0", "-")
-    assert none["reduced pressure p* = p/(E* g_c)"] == none["kappa = a_r/p*"] == ("nan", "-")
+    assert none[PRESSURE] == none["kappa = a_r/p*"] == ("nan", "-")
     assert "by counting nodes: a_r" not in none
     single = solve(Scene(Layer(), num_points=2**10), nested=False)
     assert printed(solution_table(single), 200).count("not known") == 2  # approach and peak pressure
@@ -127,7 +119,7 @@ def test_what_is_not_known_is_said():
     assert rows(solve(Scene(Layer(), scan, 0.1, num_points=64)))["contact width a_r L"][1] == "um"
 
 
-@pytest.mark.parametrize("width", [20, 40, 60])
+@pytest.mark.parametrize("width", [20, 60])
 def test_a_table_of_numbers_comes_in_parts(width):
     table = console.table(title="the title", caption="the caption")
     for i in range(9):
@@ -153,31 +145,16 @@ def test_a_sentence_is_wrapped_on_a_terminal_only():
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.01497, "0.015"),
-        (0.0101, "0.011"),
-        (0.1, "0.1"),
-        (9.91e-8, "1e-07"),
-        (0.0, "0"),
-        (float("inf"), "inf"),
-        (-0.0149, "-0.014"),
-    ],
+    ("value", "text"), [(0.0101, "0.011"), (0.1, "0.1"), (9.91e-8, "1e-07"), (float("inf"), "inf"), (-0.0149, "-0.014")]
 )
 def test_an_error_is_rounded_up(value, text):
     assert rounded_up(value) == text
 
 
-def test_a_count_has_its_noun():
-    assert [counted(n, "line") for n in (0, 1, 2)] == ["0 lines", "1 line", "2 lines"]
-
-
 def test_estimated_errors_are_rounded_up_wherever_they_are_shown(solution):
     found = solution.observables
-    area, relative = (
-        rounded_up(found.contact_area_error),
-        rounded_up(found.contact_area_error / found.contact_area_subgrid),
-    )
+    area = rounded_up(found.contact_area_error)
+    relative = rounded_up(found.contact_area_error / found.contact_area_subgrid)
     table = printed(solution_table(solution), 200)
     assert f"+- {area} numerical error (relative {relative})" in table
     for error in (found.contact_area_error, found.kappa_error, found.approach_error, found.peak_pressure_error):
@@ -196,15 +173,15 @@ def test_estimated_errors_are_rounded_up_wherever_they_are_shown(solution):
 
 
 def test_what_is_not_reached_is_said_each_time_on_standard_error(tmp_path, capsys):
-    def missed(file):
-        return ["it takes longer; allowed: more"] * (file.configuration["wanted"] < 1)
-
-    def draw(path):
-        return {}
-
-    plan = study.Plan("dummy", {"wanted": 0.5}, [], figures=())
+    plan = study.Plan("dummy", {}, [], figures=())
+    missed = ["it takes longer; allowed: more"]
     one = study.Study(
-        name="hertz", options=study.Options, plans=lambda _: [plan], report=lambda *_: [], draw=draw, missed=missed
+        name="hertz",
+        options=study.Options,
+        plans=lambda _: [plan],
+        report=lambda *_: [],
+        draw=lambda _: {},
+        missed=lambda _: missed,
     )
     for last in ("s in all.", "Nothing computed; all that may be done was done before."):
         assert run_plans(one, [plan], tmp_path) == 3
@@ -216,8 +193,7 @@ def test_what_is_not_reached_is_said_each_time_on_standard_error(tmp_path, capsy
 
 def test_points_of_rough_surfaces_that_are_out_of_reach_are_said(monkeypatch):
     file = StudyFile("rough", {"standard_error": 0.01}, [])
-    reasons = itertools.cycle(["too long", ""])
-    states = {i: type("State", (), {"out_of_reach": next(reasons)}) for i in range(4)}
+    states = {i: SimpleNamespace(out_of_reach=reason) for i, reason in enumerate(["too long", "", "too long", ""])}
     monkeypatch.setattr(ensembles, "states", lambda _: states)
     assert report.missed(file) == ["too long"]
     assert report.missed(StudyFile("rough", {}, [])) == []
