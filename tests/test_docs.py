@@ -1,19 +1,15 @@
 """The pages: what they show is what is stored, nothing is said twice, links lead somewhere, and the site is built."""
 
-import inspect
 import re
 import subprocess
 import sys
 from collections import defaultdict
 
-import linecontact
 import pytest
 from pages import PAGES, ROOT, command_lines, fill_in, hand_written, name
 from test_imports import read_project
 
 pytestmark = pytest.mark.once
-GALLERY = ROOT / "docs" / "gallery.md"
-MOST_LINES = 110
 LONGEST_RUN = 10
 """So many words in a row stand in one page only."""
 
@@ -23,31 +19,15 @@ def test_what_a_page_shows_is_what_is_stored(page):
     text = page.read_text()
     assert fill_in.filled(text) == text, f"python docs/fill_in.py writes {name(page)} anew"
     assert text.count("<!-- end -->") == len(fill_in.BLOCK.findall(text))
-
-
-def test_functions_name_the_class_of_ours_that_they_return():
-    functions = [thing for name in linecontact.__all__ if inspect.isfunction(thing := getattr(linecontact, name))]
-    returned = {thing.__name__: inspect.signature(thing).return_annotation for thing in functions}
-    ours = {name: kind for name, kind in returned.items() if "linecontact" in getattr(kind, "__module__", "")}
-    assert len(ours) > 3
-    assert [name for name, kind in ours.items() if f"`{kind.__name__}`" not in getattr(linecontact, name).__doc__] == []
+    # the site's reader takes all digits that follow for one argument
+    assert not re.findall(r"\\(?:[td]?frac|sqrt)\s*\d.*", text)
 
 
 def test_a_page_that_disagrees_is_written_anew():
     text = "before\n<!-- report: soak -->\nold\n<!-- end -->\nafter"
-    filled = fill_in.filled(text)
-    assert "random scenes" in filled
-    assert "old" not in filled
-    assert filled.startswith("before\n<!-- report: soak -->\n")
-    assert filled.endswith("<!-- end -->\nafter")
+    assert re.fullmatch(text.replace("old", "[^<]*random scenes[^<]*"), fill_in.filled(text))
     with pytest.raises(ValueError, match="report is 'soak nothing'; allowed"):
         fill_in.filled(text.replace("soak", "soak nothing"))
-
-
-@pytest.mark.parametrize("page", PAGES, ids=name)
-def test_formulas_are_read_as_they_are_meant(page):
-    """The site's reader takes all digits that follow for one argument, and the next token for the other."""
-    assert not re.findall(r"\\(?:[td]?frac|sqrt)\s*\d.*", page.read_text())
 
 
 def anchors(page):
@@ -70,26 +50,13 @@ def test_every_link_leads_somewhere(page):
             assert target.stat().st_size > 10_000, link
 
 
-def test_every_page_is_listed():
+def test_every_page_and_every_figure_is_listed():
     listed = (ROOT / "docs" / "index.md").read_text()
     for page in (ROOT / "docs").glob("*.md"):
         assert page.stem == "index" or (f"({page.name})" in listed and f"\n{page.stem}\n" in listed), page.name
-    assert len((ROOT / "README.md").read_text().splitlines()) <= MOST_LINES
-
-
-def test_every_stored_figure_is_in_the_gallery():
-    gallery = GALLERY.read_text()
+    gallery = (ROOT / "docs" / "gallery.md").read_text()
     for figure in (ROOT / "studies" / "results").glob("*.png"):
         assert f"(../studies/results/{figure.name})" in gallery, figure.name
-
-
-def test_a_figure_is_shown_once():
-    """Apart from the gallery, which has them all."""
-    pages = [page for page in PAGES if page != GALLERY]
-    image = re.compile(r"!\[[^\]]*\]\(([^)]+)\)")
-    shown = [(page.parent / path).resolve() for page in pages for path in image.findall(page.read_text())]
-    assert len(shown) > 20
-    assert sorted(map(str, shown)) == sorted(map(str, set(shown)))
 
 
 def test_nothing_is_said_twice():

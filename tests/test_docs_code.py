@@ -1,13 +1,14 @@
 """The code of the pages runs: blocks of Python, commands, and what they print."""
 
 import contextlib
-import functools
 import io
 import json
+import os
 import re
 import shlex
 import subprocess
 import sys
+from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
@@ -100,46 +101,35 @@ class MPIPoolExecutor(ProcessPoolExecutor):
 """
 """Stands in for mpi4py.futures, whose executor has the same methods."""
 
-RUNNER = """
-import contextlib, gc, json, os, shlex, subprocess, sys
-
-gc.set_threshold(100_000)
-
-import h5py, matplotlib.figure, warp
-from linecontact.studies.command_line import main
+FORKS = get_context("forkserver")
+FORKS.set_forkserver_preload([__name__, "h5py", "matplotlib.figure", "warp"])  # what all need is imported once
 
 
-def do(language, text):
-    if language == "python":
-        exec(compile(text, "a block of the page", "exec"), {"__name__": "__main__"})
-    elif text.startswith("linecontact "):
-        command, _, output = text.partition(" > ")
-        with contextlib.redirect_stdout(open(output, "w", newline="")) if output else contextlib.nullcontext():
-            status = main.main(shlex.split(command)[1:])
-        if status and "--compare" not in command:  # with 3 it says that one of two short measurements was slower
-            sys.exit(f"status {status}: {text}")
-    else:
-        subprocess.run(["bash", "-ec", text], check=True)
-
-
-def begin(folder, steps):
+def do(steps, folder):
+    """In a process of its own and in a folder: blocks of Python, each by itself, and commands."""
     os.chdir(folder)
+    sys.path.insert(0, str(folder))
     said = os.open("said", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(said, 1)
     os.dup2(said, 2)
-    for step in steps:
-        do(*step)
+    for language, text in steps:
+        if language == "python":
+            exec(compile(text, "a block of the page", "exec"), {"__name__": "__main__"})
+        elif text.startswith("linecontact "):
+            command, _, output = text.partition(" > ")
+            with contextlib.redirect_stdout(open(output, "w", newline="")) if output else contextlib.nullcontext():
+                status = main.main(shlex.split(command)[1:])
+            if status and "--compare" not in command:  # with 3 it says that one of two short measurements was slower
+                sys.exit(f"status {status}: {text}")
+        else:
+            subprocess.run(["bash", "-ec", text], check=True)
 
 
-for request in sys.stdin:
-    child = os.fork()
-    if not child:
-        begin(*json.loads(request))
-        break
-    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
-"""
-"""Does what each line that it reads asks for, in a process of its own and in a folder: blocks of Python, each by
-itself, and commands. What all need is imported once."""
+def run(steps, folder):
+    process = FORKS.Process(target=do, args=([*steps], folder))
+    process.start()
+    process.join()
+    assert process.exitcode == 0, (folder / "said").read_text()
 
 
 def with_options(line, options):
@@ -167,17 +157,6 @@ def steps(page):
         elif language == "sh":
             for line in filter(runs_by_itself, lines(block)):
                 yield language, with_options(line, MORE[line]) if line in MORE else line
-
-
-@functools.cache
-def runner():
-    return subprocess.Popen([sys.executable, "-c", RUNNER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-
-
-def run(steps, folder):
-    print(json.dumps([str(folder), [*steps]]), file=runner().stdin, flush=True)
-    status = runner().stdout.readline()
-    assert status == "0\n", (folder / "said").read_text()
 
 
 @pytest.fixture
@@ -220,10 +199,9 @@ def test_what_is_said_of_lines_and_blocks_is_said_of_some():
 def test_the_page_with_sliders_is_served(place):
     page = ROOT / "docs" / "explore.md"
     place(page)
-    every = [line for shown in (page, ROOT / "README.md") for line in command_lines(shown)]
-    found = [shlex.split(line) for line in every if line.startswith(SERVER)]
-    for _, _, *words in found:
-        with Server(*words) as server:
+    found = [line for shown in (page, ROOT / "README.md") for line in command_lines(shown) if line.startswith(SERVER)]
+    for line in found:
+        with Server(*shlex.split(line)[2:]) as server:
             assert server.ask()[0] == 200
     assert len(found) == 3
 
