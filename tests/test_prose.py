@@ -75,20 +75,17 @@ def patches_of_a_few_nodes():
     def parabola(num_points, beside):
         return ((np.arange(num_points) / num_points - beside / coarse + 0.5) % 1 - 0.5) ** 2 / 2
 
+    def pressed(h, **load):
+        return solve(Scene(indenter=MeasuredIndenter(h, convention="gap"), num_points=h.size, **load))
+
     for width in np.linspace(0.5, 4, 15):
         pressure = math.pi * (width / coarse / 2) ** 2 / 4
-        exact = solve(
-            Scene(indenter=MeasuredIndenter(parabola(fine, 0), convention="gap"), pressure=pressure, num_points=fine)
-        ).observables
+        exact = pressed(parabola(fine, 0), pressure=pressure).observables
         for beside in np.linspace(0, 0.5, 5):
             h = parabola(coarse, beside)
             if exact.approach > h.min():
-                scene = Scene(
-                    indenter=MeasuredIndenter(h, convention="gap"), approach=exact.approach - h.min(), num_points=coarse
-                )
-                found = solve(scene)
-                nodes = int(found.contact.sum())
-                forces[nodes].append(100 * (found.scene.pressure / pressure - 1))
+                found = pressed(h, approach=exact.approach - h.min())
+                forces[int(found.contact.sum())].append(100 * (found.scene.pressure / pressure - 1))
     one, two, three = (digits(np.sqrt(np.mean(np.square(forces[k])))) for k in (1, 2, 3))
     yield f"off by {one} % where it touches one node, by {two} % with two and {three} % with three (root mean squares)"
 
@@ -175,16 +172,17 @@ def limits_of_scans():
 
 
 def reach_of_the_sliders():
-    by_field = {control.name: control for control in controls.CONTROLS}
-    ranges = {field: (control.low, control.high) for field, control in by_field.items()}
-    assert ranges["thickness"] == (-5, 1)
-    assert ranges["pressure"] == (-6, -1)
+    ranges = {control.name: (control.low, control.high) for control in controls.CONTROLS}
+    assert (ranges["thickness"], ranges["pressure"]) == ((-5, 1), (-6, -1))
     yield "| thickness d/L, logarithmic | 1e-5 | 10,"
     yield "| mean pressure p/E*, logarithmic | 1e-6 | 0.1 |"
-    yield f"| Poisson's ratio nu | {ranges['poisson_ratio'][0]} | {ranges['poisson_ratio'][1]} |"
-    yield f"| exponent n of a power profile | {ranges['exponent'][0]} | {ranges['exponent'][1]} |"
-    yield f"| Hurst exponent H of a rough surface | {ranges['hurst'][0]} | {ranges['hurst'][1]} |"
-    yield f"| seed of its random phases | {ranges['seed'][0]} | {ranges['seed'][1]} |"
+    for name, field in (
+        ("Poisson's ratio nu", "poisson_ratio"),
+        ("exponent n of a power profile", "exponent"),
+        ("Hurst exponent H of a rough surface", "hurst"),
+        ("seed of its random phases", "seed"),
+    ):
+        yield f"| {name} | {ranges[field][0]} | {ranges[field][1]} |"
 
 
 @pytest.mark.parametrize(

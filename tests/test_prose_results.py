@@ -57,13 +57,8 @@ def kappa_over_the_load():
     yield f"Its value is {min(above):.0f} to {max(above):.0f} % above sqrt(8/pi) = {theory:.3f}"
     first = [curve.points[0].kappa_surface.value / theory for curve in rough]
     yield f"The slope measured at the smallest loads is {span(first)} times as large."
-    at = [
-        found
-        for curve in curves
-        if not curve.rough and not curve.is_half_space
-        for found in [analysis.bending_thickness(curve)]
-        if not math.isnan(found)
-    ]
+    layers = [curve for curve in curves if not curve.rough and not curve.is_half_space]
+    at = [found for found in map(analysis.bending_thickness, layers) if not math.isnan(found)]
     yield f"a layer takes 5 % off it at d/a_r = {span(at)}."
 
 
@@ -94,8 +89,7 @@ def errors_of_the_hertz_study():
     yield f"All {len(runs)} runs of the Hertz study"
     edges = [
         (run["scene.thickness"] * n, abs(run["contact_area_subgrid"] - run["oracle.contact_area"]) * n / 2)
-        for run in runs
-        for n in [run["scene.num_points"]]
+        for run, n in zip(runs, column(runs, "scene.num_points"), strict=True)
     ]
     yield f"known to {digits(max(off for thickness, off in edges if thickness > 5))} grid spacings, as long as"
     yield f"{FITTED.of_difference:g}$/\\sqrt m$ of the difference between two estimates to the power"
@@ -148,9 +142,8 @@ def loads_of_the_study_pressure():
             seconds[run["scene.pressure"]].append(run["seconds.solve"])
     means_of_loads = [np.mean(values) for values in seconds.values()]
     yield f"a solve takes up to {max(means_of_loads) / min(means_of_loads):.0f} times as long"
-    full = [
-        (c, point) for c in analysis.curves(stored("pressure")) if c.rough for point in c.points if point.pressure == 1
-    ]
+    rough = [curve for curve in analysis.curves(stored("pressure")) if curve.rough]
+    full = [(curve, point) for curve in rough for point in curve.points if point.pressure == 1]
     scatter = [200 * p.kappa.error / p.kappa.value for curve, p in full if curve.thickness == 1e-5]
     assert max(200 * p.kappa.error / p.kappa.value for curve, p in full if curve.is_half_space) < 1
     yield f"still scatter by {min(scatter):.0f} to {max(scatter):.0f} %."
@@ -190,12 +183,8 @@ def the_map_of_extremes():
 
 
 def times_of_a_point():
-    (run,) = (
-        run
-        for run in stored("peers").runs
-        if run["solver"] == "linecontact" and run["name"] == "H=0.8" and math.isinf(run["scene.thickness"])
-        if run["scene.num_points"] == 2**18
-    )
+    runs = [run for run in stored("peers").runs if (run["solver"], run["name"]) == ("linecontact", "H=0.8")]
+    (run,) = (run for run in runs if math.isinf(run["scene.thickness"]) and run["scene.num_points"] == 2**18)
     yield (
         f"with 64 points to the shortest wave and {run['num_patches']:.0f} patches, 2^18 points take "
         f"{digits(run['seconds.total'])} s in all, {digits(1e6 * run['seconds.total'] / 2**18)} us a point."
@@ -249,10 +238,8 @@ def what_a_gpu_brings():
     yield f"Up to 2^{math.log2(max(slower)):.0f} points the active set on the CPU is faster."
     most = max(run["num_points"] for run in runs if run["what"] == "iteration")
     yield f"With 80 GB both methods fit 2^{math.log2(most):.0f} points"
-    assert {run["method"] for run in runs if run["what"] == "iteration" and run["num_points"] == most} == {
-        "fire",
-        "mass-weighted-fire",
-    }
+    fit = {run["method"] for run in runs if run["what"] == "iteration" and run["num_points"] == most}
+    assert fit == {"fire", "mass-weighted-fire"}
 
 
 def what_the_machine_gains():
