@@ -82,11 +82,7 @@ def test_a_lost_scheduler_is_status_2_and_continues(cluster, folder):
 
 @pytest.mark.parametrize(
     "address",
-    [
-        "nonsense://127.0.0.1",
-        "127.0.0.1",
-        pytest.param("tcp://127.0.0.1:1", marks=pytest.mark.slow),
-    ],
+    ["nonsense://127.0.0.1", "127.0.0.1", pytest.param("tcp://127.0.0.1:1", marks=pytest.mark.slow)],
 )
 def test_a_wrong_scheduler_is_one_line_and_status_2(folder, address):
     """Where nobody listens, the client waits for 10 seconds."""

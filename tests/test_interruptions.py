@@ -21,12 +21,11 @@ pytestmark = [
 ]
 
 
-@pytest.mark.parametrize("often", [5, pytest.param(20, marks=pytest.mark.slow)])
-def test_kills_lose_only_what_was_in_flight(tmp_path, folder, often):
+def test_kills_lose_only_what_was_in_flight(tmp_path, folder):
     """At random moments after the first new task is begun, or after the start of the process."""
     todo, rng = [Square(i, pause=0.01) for i in range(100)], random.Random(1)
     kept, lost, kills = {}, 0, 0
-    while kills < often:
+    while kills < 5:
         known = len(dummy_tasks.log())
         process = begin(program(todo, folder))
         try:
@@ -82,29 +81,6 @@ def alive(process):
         return False
 
 
-def saves_killed_at_every_line(folder):
-    """A task that failed before is done: the record afterwards and the endings of all files, line by line."""
-    task, record = Square(3), Square(3).run(None)
-    results = tasks.TaskFolder(folder)
-    status, outcomes = None, []
-    while status != 0:
-        results.forget([task])
-        results.save_failure(task, "reason")
-        child = os.fork()
-        if not child:
-            kill_at_line(len(outcomes))
-            results.save(task, record)
-            sys.settrace(None)
-            os._exit(0)
-        status = os.waitpid(child, 0)[1]
-        assert status in (0, signal.SIGKILL)
-        outcomes.append((results.load(task), {path.suffix for path in folder.iterdir()}))
-    assert len(outcomes) > 15
-    assert outcomes[0][0] is None
-    assert outcomes[-1][0] == record
-    return outcomes
-
-
 def kill_at_line(number):
     """Kill this process at this line, counted from now on, within the modules that write records."""
     left = number
@@ -122,14 +98,29 @@ def kill_at_line(number):
 
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_killed_at_any_line_a_record_is_there_whole_or_not_at_all(folder):
-    """What random moments seldom hit."""
-    outcomes = saves_killed_at_every_line(folder)
-    found = [record for record, _ in outcomes]
-    assert found == sorted(found, key=bool)  # first never there, then always
-    assert {record["square"] for record in found if record} == {9}
-    assert all((".json" in endings) == bool(record) for record, endings in outcomes)
-    assert not any(".damaged" in endings for _, endings in outcomes)
-    assert not any(record and ".failed" in endings for record, endings in outcomes)
+    """What random moments seldom hit. The task has failed before: its record follows on that."""
+    task, record = Square(3), Square(3).run(None)
+    results, found, status = tasks.TaskFolder(folder), [], None
+    while status != 0:
+        results.forget([task])
+        results.save_failure(task, "reason")
+        child = os.fork()
+        if not child:
+            kill_at_line(len(found))
+            results.save(task, record)
+            sys.settrace(None)
+            os._exit(0)
+        status = os.waitpid(child, 0)[1]
+        assert status in (0, signal.SIGKILL)
+        found.append(results.load(task))
+        endings = {path.suffix for path in folder.iterdir()}
+        assert ".damaged" not in endings
+        assert (".json" in endings) == bool(found[-1])
+        assert not (found[-1] and ".failed" in endings)
+    assert len(found) > 15
+    whole = found.index(record)
+    assert whole > 0  # first never there, then always
+    assert found == [None] * whole + [record] * (len(found) - whole)
 
 
 def test_half_written_files_are_removed_by_the_next_run(folder):
