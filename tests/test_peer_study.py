@@ -26,6 +26,11 @@ def text(part):
     return output.getvalue()
 
 
+def rows_of(table):
+    lines = (line.strip() for line in text(table).splitlines())
+    return [line.split() for line in lines if line.startswith(("Hertz", "H=", "2^"))]
+
+
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
     """The study's file where no peer is installed."""
@@ -114,10 +119,7 @@ def test_without_peers(alone):
     hertz = study.select("name", "Hertz")
     assert (np.abs(hertz.column("spacings_off.counted")) < 2).all()
     assert (np.abs(hertz.column("spacings_off.subgrid")) < 0.01).all()
-    rows = [
-        line.split() for line in text(report.summary(study)).splitlines() if line.lstrip().startswith(("Hertz", "H="))
-    ]
-    assert [row[-2:] for row in rows] == [["-", "-"]] * 2
+    assert [row[-2:] for row in rows_of(report.summary(study))] == [["-", "-"]] * 2
 
 
 def test_missing_peers_are_named(monkeypatch, capsys):
@@ -165,7 +167,7 @@ def test_the_time_of_a_point_beside_that_of_areas(made_up_areas, tmp_path):
     assert sum(np.mean(s**2) for s in slopes) == pytest.approx(1)
     table = text(report.report({areas.KIND: study}, tmp_path)[0])
     assert max(map(len, table.splitlines())) <= 80
-    row = next(line.split() for line in table.splitlines() if line.lstrip().startswith("2^12"))
+    (row,) = rows_of(report.report({areas.KIND: study}, tmp_path)[0])
     ours, theirs = (study.runs[k]["microseconds_per_point"] for k in (0, 2))
     assert row[:5] == ["2^12", f"{ours:.2f}", "-", f"{theirs:.2f}", f"{theirs / ours:.2g}"]
 
@@ -193,7 +195,7 @@ def test_a_disagreement_is_shown_and_its_ratio_is_not(made_up):
     assert second.off("tamaas") == (3, 0.0)
     assert (first.fastest, second.fastest) == ("tamaas", None)
     table = text(report.summary(made_up))
-    rows = [line.split() for line in table.splitlines() if line.lstrip().startswith(("Hertz", "H="))]
+    rows = rows_of(report.summary(made_up))
     assert [(row[3], *row[-2:]) for row in rows] == [("+0", "10", "5"), ("+3", "differ", "differ")]
     assert max(map(len, table.splitlines())) <= 80
     assert "…" not in table
