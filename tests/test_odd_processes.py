@@ -1,6 +1,7 @@
 """Processes as they happen to be: with threads, forked, after a power cut, without streams, on full disks, or wrong."""
 
 import functools
+import itertools
 import math
 import os
 import shutil
@@ -51,7 +52,14 @@ def forked(work):
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 """
 FORKS = """
+os.chdir(os.environ["FOLDER"])
 METHODS, ended = ("active-set", "mass-weighted-fire"), []
+drawn = solve(Scene(num_points=256))
+
+def draw():
+    while not ended:
+        drawn.plot("thread.png")
+        time.sleep(0.01)
 
 def work(start):
     i = start
@@ -61,12 +69,13 @@ def work(start):
         solve(scene, method=METHODS[i % 2], tolerance=1e-3)
 
 def child(i):
+    if i % 5 == 0:
+        drawn.plot("child.png")
     solution = solve(Scene(Layer(thickness=0.3 + i * 1e-3), num_points=2 ** (10 + i % 4)), method=METHODS[i % 2])
     return solution.status != "converged"
 
 solve(Scene(num_points=64), method="fire", tolerance=0.1)
-threads = [threading.Thread(target=work, args=(1000 * i,)) for i in range(2)]
-for thread in threads:
+for thread in (*(threading.Thread(target=work, args=(1000 * i,)) for i in range(2)), threading.Thread(target=draw)):
     thread.start()
 for i in range(20):
     print(forked(lambda: child(i)))
@@ -75,8 +84,8 @@ ended.append(True)
 
 
 @posix
-def test_children_of_a_process_that_is_solving_solve_too():
-    said = python(FORK + FORKS)
+def test_children_of_a_process_that_is_solving_and_drawing_do_so_too(tmp_path):
+    said = python(FORK + FORKS, FOLDER=str(tmp_path))
     assert said.stdout.split() == ["0"] * 20, said.stderr
 
 
@@ -93,29 +102,6 @@ def test_the_end_of_a_plan_waits_for_no_other_thread():
     assert len(plain.Plan._ended) == 1
     pairs.pop().__dict__.clear()
     assert not plain.Plan._ended
-
-
-DRAWING_FORKS = """
-os.chdir(os.environ["FOLDER"])
-solution, ended = solve(Scene(num_points=256)), []
-
-def work():
-    while not ended:
-        solution.plot("thread.png")
-        time.sleep(0.01)
-
-threading.Thread(target=work).start()
-for _ in range(4):
-    time.sleep(0.5)
-    print(forked(lambda: solution.plot("child.png") and 0))
-ended.append(True)
-"""
-
-
-@posix
-def test_children_of_a_process_that_is_drawing_draw_too(tmp_path):
-    said = python(FORK + DRAWING_FORKS, FOLDER=str(tmp_path))
-    assert said.stdout.split() == ["0"] * 4, said.stderr
 
 
 OWN_THREADS = """
@@ -135,11 +121,6 @@ if not child:
     os._exit(2)
 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
-
-
-@posix
-def test_a_forked_process_waits_for_no_threads_of_the_user_s_own_transforms():
-    assert python(OWN_THREADS).stdout == "17\n"
 
 
 COLD_FORK = """
@@ -201,9 +182,10 @@ LATE_IMPORT = OWN_THREADS.replace("from linecontact import Scene, solve\n", "").
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="Linux says that a process was forked")
-def test_a_forked_process_that_imports_the_package_late_waits_for_no_threads_either():
-    assert LATE_IMPORT != OWN_THREADS
-    assert python(LATE_IMPORT).stdout == "17\n"
+@pytest.mark.parametrize("program", [OWN_THREADS, LATE_IMPORT], ids=["before", "late"])
+def test_a_forked_process_waits_for_no_threads_of_the_user_s_own_transforms(program):
+    """Also where it imports the package late."""
+    assert python(program).stdout == "17\n"
 
 
 OWN_PLANNING = """
@@ -437,9 +419,6 @@ def test_a_bug_is_a_traceback_and_status_1(tmp_path, words):
     assert "a bug, please report" in BUG
 
 
-ODD = [math.inf, math.nan, -math.inf, 0.0, -0.0, -1.0, 5e-324, 1e-8, 1e308, 3.0]
-
-
 @pytest.mark.parametrize(("bug", "ours"), [(KeyError, True), (ValueError, True), (AssertionError, False)])
 def test_a_bug_beside_a_result_is_no_damaged_file(tmp_path, monkeypatch, bug, ours):
     """While a command draws its own result, any error is; beside a file, one that no content leads to."""
@@ -475,20 +454,16 @@ def test_a_bug_beside_a_study_is_no_damaged_file(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("terminal", [True, False])
-@pytest.mark.parametrize("tolerance", [1e-14, 0.5, 10.0])
-def test_progress_takes_any_residual(capsys, monkeypatch, terminal, tolerance):
+def test_progress_takes_any_residual(capsys, monkeypatch, terminal):
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(console, "errors", type(console.errors)(stderr=True, highlight=False, force_terminal=terminal))
     monkeypatch.setattr(console.Bar, "every", -1.0)
-    real = console.Progress.update
-    monkeypatch.setattr(console.Progress, "update", lambda *given, **named: real(*given, **named, refresh=True))
-    for first in ODD:
+    odd = [math.inf, math.nan, -math.inf, 0.0, -0.0, -1.0, 5e-324, 1e-8, 1e308, 3.0]
+    for first, tolerance in itertools.product(odd, (1e-14, 0.5, 10.0)):
         with console.solve_progress(tolerance) as report:
-            for i, residual in enumerate([first, *ODD, *reversed(ODD)]):
+            for i, residual in enumerate([first, *odd, *reversed(odd)]):
                 report(i, residual)
-    said = capsys.readouterr().err
-    assert BUG not in said
-    assert "solve" in said
+    assert BUG not in capsys.readouterr().err
 
 
 def test_no_columns_are_as_many_as_there_are_where_nothing_is_known():

@@ -75,10 +75,8 @@ def test_gap_of_a_known_pressure(layer):
 def test_gap_of_a_solution_and_of_what_is_none(scene):
     pressure = solve(scene).contact_pressure
     assert peer_solvers.gap_rms(scene, pressure) < 5e-9
-    rough = pressure * (1 + 1e-4 * np.cos(np.arange(1024)))
-    gaps = [peer_solvers.gap_rms(scene, pressure + share * (rough - pressure)) for share in (0.01, 0.1, 1.0)]
-    assert gaps[0] > 1e3 * peer_solvers.gap_rms(scene, pressure)
-    np.testing.assert_allclose(gaps[1:], [10 * gaps[0], 100 * gaps[0]], rtol=1e-2)  # the gap is linear in the error
+    wrong = pressure * (1 + 1e-6 * np.cos(np.arange(1024)))
+    assert peer_solvers.gap_rms(scene, wrong) > 1e3 * peer_solvers.gap_rms(scene, pressure)
     other = Scene(Layer(0.1), num_points=1024)
     assert peer_solvers.gap_rms(other, pressure) > 1e-5  # the layer counts
     assert peer_solvers.gap_rms(scene, 0 * pressure) == math.inf
@@ -248,15 +246,3 @@ def test_with_a_peer(peer, scene):
     assert result.contact_pressure.max() == pytest.approx(ours.observables.peak_pressure, rel=report.PEAK)
     assert result.iterations > 5
     assert result.seconds > 0
-
-
-@pytest.mark.filterwarnings("ignore")
-def test_the_study_with_the_peers(tmp_path):
-    for peer in peer_solvers.PEERS:
-        pytest.importorskip(peer)
-    plan = peers.Configuration(**(TINY | {"sizes": (10,)}), peers=peer_solvers.PEERS).plan()
-    assert run_plans(peers.STUDY, [plan], tmp_path) == 0
-    found = report.comparisons(study_files.load_study(plan.path(tmp_path)))
-    assert [sorted(c.peers) for c in found] == [sorted(peer_solvers.PEERS)] * 2
-    assert all(c.agrees(peer) for c in found for peer in c.peers)
-    assert (tmp_path / "peers.png").stat().st_size > 5000
