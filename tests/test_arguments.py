@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import ClassVar, Literal, Optional
 
 import pytest
-from linecontact.solver import INDENTERS, Layer, PowerIndenter, RoughIndenter
+from linecontact.solver import Layer, PowerIndenter, RoughIndenter
 from linecontact.studies import STUDIES
 from linecontact.studies.command_line import main, plot, solve
-from linecontact.studies.kernel_benchmark import study as kernels
 from linecontact.studies.scenes import kinds
 from linecontact.studies.terminal import arguments, declarations
 from linecontact.studies.terminal.options import one_of, options_of
@@ -66,15 +65,6 @@ class Positional:
     level: int = 0
 
 
-@dataclass(frozen=True)
-class Bumpy(PowerIndenter):
-    """An indenter that the command line has not heard of."""
-
-    name: ClassVar[str] = "bumpy"
-    bump: float = 0.5
-    """Height of a bump."""
-
-
 def parse(*words):
     return arguments.parse(Every, words, "prog")
 
@@ -98,33 +88,23 @@ def test_values_of_every_type():
     ("words", "message"),
     [
         ("--ratio abc", "ratio is 'abc'; allowed: a number"),
-        ("--two_words abc", "two_words is 'abc'; allowed: a number"),
         *(
             (f"--limit {text}", f"limit is '{text}'; allowed: an integer, in digits or like 2^10 or 1e6")
-            for text in ("1.5e0", "1e-3", "1e-400", "1e17", "1e400", "1e", "2^1e1", "3.0", "inf")
+            for text in ("1.5e0", "1e-3", "1e17", "1e", "2^1e1", "3.0", "inf", "None")
         ),
-        ("--limit None", "limit is 'None'; allowed: an integer, in digits or like 2^10 or 1e6"),
         ("--unit km", "unit is 'km'; allowed: m, mm"),
-        ("--word three", "word is 'three'; allowed: one, two"),
-        ("--limit", "limit has no value; allowed: an integer, in digits or like 2^10 or 1e6"),
         ("--limit --quick", "limit has no value; allowed: an integer, in digits or like 2^10 or 1e6"),
         ("--ratio 0,002", "ratio is '0,002'; allowed: a number with a decimal point, like 0.002"),
-        ("--ratio 1,5,2", "ratio is '1,5,2'; allowed: a number"),
         ("--ratio 1e400", "ratio is '1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size"),
-        ("--ratio 1e-400", "ratio is '1e-400'; allowed: a number of 4.9e-324 to 1.8e+308 in size"),
-        ("--ratio -1e400", "ratio is '-1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size"),
         ("--pair a", "pair has too few values; allowed: 2 values, each a path"),
         ("--quick=yes", "quick has a value; allowed: --quick alone"),
         ("yes", "'yes' is no option; allowed: the options of `prog --help`"),
         ("--ratoi 3", "option --ratoi is unknown, perhaps meant as --ratio; allowed: the options of `prog --help`"),
-        ("--qui", "option --qui is unknown, perhaps meant as --quick; allowed: the options of `prog --help`"),
         ("--colour=red", "option --colour is unknown; allowed: the options of `prog --help`"),
-        ("--name x", "option --name is unknown; allowed: the options of `prog --help`"),
         ("-q", "option -q is unknown; allowed: the options of `prog --help`"),
         ("--ratio 0.1 --quick --ratio=-0.2", "--ratio is given twice: 0.1, -0.2; allowed: once"),
         ("--two-words 1 --two_words 2 --two-words 3", "--two-words is given 3 times: 1, 2, 3; allowed: once"),
         ("--pair a b --pair c d", "--pair is given twice: a b, c d; allowed: once"),
-        ("--quick --quick", "--quick is given twice; allowed: once"),
     ],
 )
 def test_wrong_words_name_the_option_the_value_and_what_is_allowed(words, message):
@@ -148,36 +128,23 @@ def test_only_what_is_given_goes_to_each_of_several_dataclasses():
 def test_help_shows_what_is_said_what_is_allowed_and_the_default(capsys):
     with pytest.raises(SystemExit, match=r"^0$"):
         arguments.given(["--ratio", "abc", "--help"], {"": Every, "more of it": Positional}, "prog study")
-    said = capsys.readouterr().out
-    assert said.startswith(
-        "usage: prog study [OPTIONS]\n\nEvery type of option, 100 % of them.\n\nMore is said here.\n"
-    )
-    lines = " ".join(said.split())
+    said = " ".join(capsys.readouterr().out.split())
+    assert said.startswith("usage: prog study [OPTIONS] Every type of option, 100 % of them. More is said here.")
     for text in (
-        "--folder PATH Where it goes. --workers",
-        "--workers INTEGER (default: 2)",
+        "--folder PATH Where it goes. --workers INTEGER (default: 2)",
         "--ratio NUMBER of two lengths, which is a long story. (default: 0.5)",
-        "--limit INTEGER --optional",
         "--quick Be quick. --unit {m,mm} (default: m)",
         "--word {one,two} --pair PATH PATH --share NUMBER of something (default: 0.1)",
         "more of it: A command on a file. --file PATH --level INTEGER (default: 0)",
     ):
-        assert text in lines
-    assert "ClassVar" not in said
+        assert text in said
     assert "--name" not in said
-
-
-def test_help_does_not_offer_what_is_refused(capsys):
-    asked = {}
-    for name in ("solve", "explore"):
+    for name in ("solve", "explore"):  # which takes no accuracy
         with pytest.raises(SystemExit, match=r"^0$"):
             main.main([name, "--help"])
-        asked[name] = " ".join(capsys.readouterr().out.split())
-        assert "only with --profile file: A scan or another profile from a file." in asked[name]
-        assert asked[name].count("--period") == 1
-    assert "It takes --num-points (not needed), --accuracy (not needed), too." in asked["solve"]
-    assert "It takes --num-points (not needed), too." in asked["explore"]
-    assert "--accuracy" not in asked["explore"]
+        said = " ".join(capsys.readouterr().out.split())
+        assert "only with --profile file: A scan or another profile from a file." in said
+        assert ("--accuracy" in said) == (name == "solve")
 
 
 @pytest.mark.parametrize(
@@ -187,21 +154,6 @@ def test_types_that_no_option_has_are_refused(hint):
     kind = dataclass(type("Odd", (), {"__annotations__": {"odd": hint}, "odd": None}))
     with pytest.raises(TypeError, match="field odd is of type"):
         options_of(kind)
-
-
-def test_the_source_tells_what_is_inherited():
-    declared = declarations.read("linecontact.studies.kernel_benchmark.study:Options")
-    assert list(declared.fields) == list(options_of(kernels.Options))
-    assert declared.fields["workers"] == "Always 1: others would disturb the times."
-    assert declared.fields["folder"].startswith("Where data and figures go")
-    assert declared.summary == (
-        "Times of kernels, sequences, iterations and transforms beside C, NumPy and variants of your own."
-    )
-
-
-@pytest.mark.parametrize("name", ["linecontact.studies.files.writing:Options", "no.such.module:Kind", "sys:Kind"])
-def test_what_the_source_does_not_tell_is_none(name):
-    assert declarations.read(name) is None
 
 
 @pytest.mark.parametrize("name", [*OWN, *WORDED, *(f"{module}:Options" for module in STUDIES.values())])
@@ -223,48 +175,24 @@ def test_the_solvers_defaults_are_those_of_the_command_line():
     assert options_of(plot.Options)["file"].default is MISSING
 
 
-def test_a_new_profile_takes_one_line_in_the_list(monkeypatch, capsys):
-    monkeypatch.setitem(INDENTERS, "bumpy", Bumpy)
-    words = "solve --num-points 64 --json --profile"
-    assert main.main([*words.split(), "bumpy", "--bump", "0.3", "--exponent", "4"]) == 0
-    assert '"exponent": 4.0' in capsys.readouterr().out
-    assert main.main([*words.split(), "power", "--bump", "0.3"]) == 2
-    assert capsys.readouterr().err == "linecontact: bump is 0.3; allowed: only with --profile bumpy, not power\n"
-    assert main.main([*words.split(), "power", "--bumb", "0.3"]) == 2
-    assert "option --bumb is unknown, perhaps meant as --bump;" in capsys.readouterr().err
-    with pytest.raises(SystemExit):
-        main.main(["solve", "--help"])
-    assert "--profile {power,rough,file,bumpy}" in capsys.readouterr().out
+def imported(program, words, slow):
+    """The status of a program, and what of these it has imported."""
+    program += f"\nimport sys\nprint(status, [name for name in {slow} if name in sys.modules])"
+    result = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, timeout=60)
+    return result.stdout.splitlines()[-1]
 
 
-@pytest.mark.parametrize(
-    ("words", "status"),
-    [
-        (["--version"], 0),
-        (["stdy"], 2),
-        (["study", "hetz"], 2),
-        (["study", "--help"], 0),
-    ],
-)
+@pytest.mark.parametrize(("words", "status"), [("--version", 0), ("stdy", 2), ("study hetz", 2), ("study --help", 0)])
 def test_what_needs_nothing_imports_nothing_that_takes_time(words, status):
     program = (
-        "import sys\n"
         "from linecontact.studies import __main__ as entry\n"
         "try: status = entry.main()\n"
-        "except SystemExit as stop: status = stop.code\n"
-        "slow = 'numpy', 'scipy', 'dask', 'matplotlib', 'warp', 'h5py', 'rich', 'pyfftw', 'linecontact.solver'\n"
-        "print(status, [name for name in slow if name in sys.modules])"
+        "except SystemExit as stop: status = stop.code"
     )
-    result = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, timeout=60)
-    assert result.stdout.splitlines()[-1] == f"{status} []", result.stderr
+    slow = "numpy", "scipy", "dask", "matplotlib", "warp", "h5py", "rich", "pyfftw", "linecontact.solver"
+    assert imported(program, words.split(), slow) == f"{status} []"
 
 
 def test_a_solve_needs_neither_scipy_nor_matplotlib():
-    program = (
-        "import sys\n"
-        "from linecontact.studies.command_line.main import main\n"
-        "status = main(['solve', '--accuracy', '1e-4', '--json'])\n"
-        "print(status, [name for name in ('scipy', 'dask', 'matplotlib') if name in sys.modules])"
-    )
-    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
-    assert result.stdout.splitlines()[-1] == "0 []", result.stderr
+    program = "from linecontact.studies.command_line.main import main\nstatus = main(['solve', '--accuracy', '1e-4'])"
+    assert imported(program, [], ("scipy", "dask", "matplotlib")) == "0 []"

@@ -166,15 +166,9 @@ def test_a_length_in_another_unit_is_the_number_with_its_digits(text, unit, valu
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (
-            "--thickness 200",
-            "thickness is '200'; allowed: with its unit, like 200m, or --length-unit, that of all leng",
-        ),
+        ("--thickness 200", "thickness is '200'; allowed: with its unit, like 200m, or --length-unit, that of all len"),
         ("--thickness 2^3", "thickness is '8'; allowed: with its unit, like 8m, or"),
-        (
-            "--scene-units --thickness 3",
-            "length_unit is missing; allowed: the unit of the scene, where one of the file",
-        ),
+        ("--scene-units --thickness 3", "length_unit is missing; allowed: the unit of the scene, where one of the"),
         ("--approach 2e-4", "approach is '0.0002'; allowed: with its unit, like 0.0002m"),
         ("--layer file --stiffness-file {table}", "table.txt; allowed: with --length-unit, the unit of 1/q\n"),
     ],
@@ -217,9 +211,7 @@ def test_the_unit_of_a_scene_is_that_of_numbers_in_scene_units(tmp_path, capsys)
         ("1e305m", "a number of 4.9e-324 to 1.8e+308 in size, in nm"),
     ],
 )
-def test_a_length_of_a_scan_s_scene_is_a_number_or_has_a_unit_and_is_not_too_large(
-    tmp_path, capsys, thickness, allowed
-):
+def test_a_length_of_a_scan_is_a_number_or_has_a_unit_and_is_not_too_large(tmp_path, capsys, thickness, allowed):
     more = ["--pressure", "1", "--length-unit", "nm", "--thickness", thickness]
     assert main([*scan_words(tmp_path, 2, "x [um], z [nm]"), *more]) == 2
     assert capsys.readouterr().err == f"linecontact: thickness is {thickness!r}; allowed: {allowed}\n"
@@ -248,10 +240,7 @@ def test_a_scan_is_not_pressed_by_defaults(tmp_path):
         ),
         (["solve", "--thickness", "2furlongs"], "thickness is '2furlongs'; allowed: a number\n"),
         (["solve", "--thickness", "0,1"], "thickness is '0,1'; allowed: a number with a decimal point, like 0.1\n"),
-        (
-            ["solve", "--patches", "run.png"],
-            "patches is run.png; allowed: a name for comma-separated values, like run.",
-        ),
+        (["solve", "--patches", "run.png"], "patches is run.png; allowed: a name for comma-separated values"),
         (["solve", "--tolerance", "1e-15"], "tolerance is 1e-15; allowed: 1e-14 to 0.5\n"),
         (["solve", "--scene-units"], "--scene-units is given; allowed: only with --profile file, not power"),
         (["solve", "--profile", "rough", "--num-points", "4096"], "dx/lambda_s is 1"),
@@ -268,10 +257,7 @@ def test_a_scan_is_not_pressed_by_defaults(tmp_path):
         (["plot", __file__], "not one of linecontact's HDF5 files; allowed: one that it wrote"),
         (["study", "hertz", "--workers", "0"], "workers is 0"),
         (["solve", "--pressure", "a'b"], 'linecontact: pressure is "a\'b"; allowed: a number alone, or each'),
-        (
-            ["solve", "--youngs-modulus", "1MPa"],
-            "pressure (or approach) is missing; allowed: where lengths or pressures",
-        ),
+        (["solve", "--youngs-modulus", "1MPa"], "pressure (or approach) is missing; allowed: where lengths or"),
         (["ensemble", "--observable"], "has no value; allowed: kappa, contact-area, peak-pressure, approach, mean-"),
         (["curve", "--values"], "values has no value; allowed: numbers separated by commas"),
         (["stdy"], "command is 'stdy', perhaps meant as study; allowed: solve, curve, ensemble, explore, stu"),

@@ -78,18 +78,10 @@ def test_the_table_has_the_columns_that_the_terminal_has_room_for(loads, capsys,
 
 def test_another_curve_does_not_replace_it(loads, capsys):
     assert curve(loads, "--num-points", "2^9", "--points", "2") == 2
-    said = "holds results made with other options (scene, values); allowed: --folder and a new name to keep it"
-    assert said in capsys.readouterr().err
+    assert "holds results made with other options (scene, values); allowed: --folder and" in capsys.readouterr().err
 
 
-def test_curves_over_different_numbers_go_to_different_folders(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for words in (["--points", "2"], ["--over", "poisson_ratio", "--values", "0.1"]):
-        assert main.main(["curve", "--num-points", "2^9", "--workers", "1", *words]) == 0
-    assert {file.parent.name for file in tmp_path.rglob("curve.h5")} == {"curve-pressure", "curve-poisson-ratio"}
-
-
-def test_more_values_continue(loads, tmp_path, capsys):
+def test_more_values_continue(tmp_path, capsys):
     """Values that are known are not solved again."""
     known = ["--num-points", "2^9", "--over", "thickness"]
     assert curve(tmp_path, *known, "--values", "0.1,0.2") == 0
@@ -102,35 +94,33 @@ def test_more_values_continue(loads, tmp_path, capsys):
     assert "half-space have another reference, and compare with no other" in " ".join(said.out.split())
     assert all(file.stat().st_mtime_ns == then for file, then in records.items())
     assert [run["scene.thickness"] for run in runs(tmp_path)] == [0.1, 0.2, math.inf]
-
-
-def test_a_file_that_has_the_name_of_a_figure_is_left_alone(tmp_path, capsys):
-    (tmp_path / "curve.pdf").write_text("mine")
-    known = ["--num-points", "2^9", "--over", "thickness", "--values", "0.1"]
-    assert curve(tmp_path, *known) == 0
-    said = "curve.pdf has the name of a figure, and is not one that this version of linecontact has drawn; allowed: to"
-    assert said in " ".join(capsys.readouterr().err.split())
-    assert not (tmp_path / "curve.png").exists()
-    assert main.main(["plot", str(tmp_path / "curve.h5")]) == 2
-    assert said in capsys.readouterr().err
-    assert (tmp_path / "curve.pdf").read_text() == "mine"
-    assert main.main(["plot", str(tmp_path / "curve.h5"), "--overwrite"]) == 0
-    assert (tmp_path / "curve.pdf").read_bytes().startswith(b"%PDF")
-    (tmp_path / "curve.pdf").write_text("see linecontact")
-    assert curve(tmp_path, *known) == 0
-    assert "Figures" not in capsys.readouterr().out
-    assert curve(tmp_path, *known, "--overwrite") == 0
-    assert (tmp_path / "curve.pdf").read_bytes().startswith(b"%PDF")
-    assert main.main(["plot", str(tmp_path / "curve.h5")]) == 0  # now it is its own
-
-
-def test_the_half_space_of_a_curve_over_thickness_is_seen(tmp_path):
-    assert curve(tmp_path, "--num-points", "2^9", "--over", "thickness", "--values", "0.1,0.2,inf") == 0
     (figure,) = study.draw(tmp_path / "curve.h5").values()
-    for axes in figure.axes[:2]:  # its stiffness has another reference
+    for axes in figure.axes[:2]:  # the half-space is seen; its stiffness has another reference
         (line,) = [line for line in axes.get_lines() if line.get_label() == "half-space"]
         low, high = axes.get_ylim()
         assert low < line.get_ydata()[0] < high
+
+
+def test_a_file_that_has_the_name_of_a_figure_is_left_alone(tmp_path, capsys):
+    (tmp_path / "curve.pdf").write_text("mine, not linecontact's")
+    known = ["--num-points", "2^9", "--over", "thickness", "--values", "0.1"]
+    said = "curve.pdf has the name of a figure, and is not one that this version of linecontact has drawn; allowed: to"
+    for _ in range(2):
+        assert curve(tmp_path, *known) == 0
+        told = capsys.readouterr()
+        assert "Figures" not in told.out
+    assert said in " ".join(told.err.split())
+    assert not (tmp_path / "curve.png").exists()
+    plot = ["plot", str(tmp_path / "curve.h5")]
+    assert main.main(plot) == 2
+    assert said in capsys.readouterr().err
+    assert (tmp_path / "curve.pdf").read_text().startswith("mine")
+    assert main.main([*plot, "--overwrite"]) == 0
+    assert (tmp_path / "curve.pdf").read_bytes().startswith(b"%PDF")
+    (tmp_path / "curve.pdf").write_text("mine")
+    assert curve(tmp_path, *known, "--overwrite") == 0
+    assert (tmp_path / "curve.pdf").read_bytes().startswith(b"%PDF")
+    assert main.main(plot) == 0  # now it is its own
 
 
 @pytest.mark.parametrize(
@@ -140,26 +130,22 @@ def test_the_half_space_of_a_curve_over_thickness_is_seen(tmp_path):
         ("--over poisson_ratio --from 0 --to 0.5 --points 3", "scene.poisson_ratio", [0, 0.25, 0.5]),
         ("--over exponent --values 1.5,2", "scene.exponent", [1.5, 2]),
         ("--over num_points --from 2^6 --to 2^8 --points 3 --spacing log", "scene.num_points", [64, 128, 256]),
-        (
-            "--layer coated --thickness 0.1 --over base_modulus --values 0.1,10",
-            "scene.base_modulus",
-            [0.1, 10],
-        ),
+        ("--layer coated --thickness 0.1 --over base_modulus --values 0.1,10", "scene.base_modulus", [0.1, 10]),
+        ("--layer sliding --over thickness --values 0.1,inf", "scene.thickness", [0.1, math.inf]),
         ("--profile rough --cut-off-ratio 0.25 --over seed --from 3 --to 5", "scene.seed", [3, 4, 5]),
     ],
 )
-def test_over_any_number(tmp_path, words, column, values):
-    assert curve(tmp_path, *grid(words), *words.split()) == 0
-    assert [float(run[column]) for run in runs(tmp_path)] == pytest.approx(values, rel=1e-9)
-    assert {run["status"] for run in runs(tmp_path)} == {"converged"}
-
-
-def test_over_seeds_mean_and_standard_error_are_told(tmp_path, capsys):
-    words = ["--profile", "rough", "--cut-off-ratio", "0.25", "--over", "seed", "--from", "0", "--to", "3"]
-    assert curve(tmp_path, "--num-points", "2^10", "--pressure", "0.05", *words) == 0
-    areas = np.array([run["contact_area_subgrid"] for run in runs(tmp_path)])
-    told = f"a_r = {areas.mean():.6g} +- {rounded_up(areas.std(ddof=1) / 2)}"
-    assert told in capsys.readouterr().out.replace("\n", " ")
+def test_over_any_number(tmp_path, monkeypatch, capsys, words, column, values):
+    monkeypatch.chdir(tmp_path)
+    assert main.main(["curve", "--workers", "1", *grid(words), *words.split()]) == 0
+    over = words.partition("--over ")[2].split()[0].replace("_", "-")
+    found = runs(tmp_path / "results" / f"curve-{over}")
+    assert [float(run[column]) for run in found] == pytest.approx(values, rel=1e-9)
+    assert {run["status"] for run in found} == {"converged"}
+    if over == "seed":
+        areas = np.array([run["contact_area_subgrid"] for run in found])
+        told = f"a_r = {areas.mean():.6g} +- {rounded_up(areas.std(ddof=1) / 3**0.5)}"
+        assert told in capsys.readouterr().out.replace("\n", " ")
 
 
 def test_a_scan_with_lengths_in_units(tmp_path, capsys):
@@ -191,66 +177,36 @@ def test_a_scan_with_lengths_in_units(tmp_path, capsys):
     [
         ("--over thicknes", "over is 'thicknes'; allowed: pressure, approach, num_points, thickness"),
         ("--over hurst --from 0 --to 1", "over is 'hurst'; allowed: with --profile rough, or pressure, "),
+        ("--over youngs_modulus --from 1 --to 10", "over is 'youngs_modulus'; allowed: contact_modulus, E/(1 - nu^2)"),
         ("--over thickness", "from is missing; allowed: a number, or --values, with --over thickness"),
         ("--over thickness --from 0.1", "to is missing; allowed: a number"),
         ("--values 0.2,0.1,1e-1", "values hold 1e-1 a second time; allowed: each once"),
-        ("--pressure 0.1", "pressure is 0.1; allowed: none with --over pressure"),
+        ("--values 1e-3,,2e-3", "values is ''; allowed: a number"),
         ("--approach 0.1", "approach is 0.1; allowed: none with --over pressure"),
         ("--over approach --pressure 1 --values 1e-3", "pressure is 1.0; allowed: none with --over approach"),
+        ("--over thickness --thickness 0.5 --values 0.1", "thickness is 0.5; allowed: none with --over thickness"),
         ("--over thickness --from 0.1 --to 1mm", "to is '1mm'; allowed: a number alone, the lengths"),
+        ("--from 1kPa --to 2kPa", "from is '1kPa'; allowed: a number alone, the pressures of this scene"),
         ("--over exponent --from 1,5 --to 2", "from is '1,5'; allowed: a number with a decimal point, like 1.5"),
-        ("--over exponent --from 1.5 --to 2um", "to is '2um'; allowed: a number"),
-        ("--from first --to 1", "from is 'first'; allowed: a number"),
         ("--from 0 --to 1 --spacing area", "from is 0, and to 1; allowed: 0 < from < to, with --spacing area"),
         ("--over thickness --from 1 --to 2 --spacing area", "spacing is 'area'; allowed: with --over pressure, not th"),
         ("--from 0 --to 1 --spacing log", "from is 0, and to 1; allowed: numbers > 0, with --spacing log"),
-        ("--over profile --values 1", "over is 'profile'; allowed: pressure, approach, num_points, thickness"),
         ("--from 1 --to 1", "to is 1, and from 1; allowed: two numbers that differ; --values takes one\n"),
         ("--over thickness --values 1,1e400", "values is '1e400'; allowed: a number of 4.9e-324 to 1.8e+308 in size\n"),
         ("--from 1e-4 --to inf", "to is inf, and from 0.0001; allowed: finite numbers"),
         ("--points 1", "points is 1; allowed: an integer from 2 to 16384"),
         ("--values 1e-3 --from 1e-3", "from is '1e-3'; allowed: none with --values"),
         ("--values 1e-3,-1", "pressure is -1.0; allowed: a finite pressure >= 0"),
-        ("--over num_points --values 100.5", "num_points is 100.5; allowed: an integer"),
         ("--over num_points --from 2 --to 9", "from is 2; allowed: an integer from 4"),
-        ("--over thickness --from -1", "from is -1; allowed: a length > 0, or inf\n"),
         ("--over poisson_ratio --from 0 --to 0.7", "to is 0.7; allowed: -1 < nu <= 0.5\n"),
-        ("--over poisson-ratio --from 7e-1 --to 0", "from is 7e-1; allowed: -1 < nu <= 0.5\n"),
-        (
-            "--from 1e-3 --to 1e70",
-            "to is 1e70, where pressure/contact_modulus is 1e+70; allowed: from 1e-60 to 1e+60\n",
-        ),
-        ("--over poisson-ratio --values -0.3,0.6", "poisson_ratio is 0.6; allowed: -1 < nu <= 0.5"),
+        ("--from 1e-3 --to 1e70", "to is 1e70, where pressure/contact_modulus is 1e+70; allowed: from 1e-60 to 1e"),
         ("--accuracy 2", "accuracy is 2.0; allowed: 1e-9 <= accuracy <= 0.1"),
         ("--accuracy 0.01 --over approach --values 1e-3", "accuracy is 0.01; allowed: none with an approach"),
         ("--accuracy 0.01 --over num_points --values 64", "accuracy is 0.01; allowed: none with --over num_points"),
-        ("--over thickness --thickness 0.5 --values 0.1", "thickness is 0.5; allowed: none with --over thickness"),
-        (
-            "--youngs-modulus 3 --over poisson_ratio --values 0.1",
-            "youngs_modulus is 3; allowed: none with --over poisson_ratio, which keeps E* = E/(1 - nu^2), not E",
-        ),
-        (
-            "--youngs-modulus 3 --over contact_modulus --from 1 --to 10",
-            "youngs_modulus is 3; allowed: none with --over c",
-        ),
-        ("--over youngs_modulus --from 1 --to 10", "over is 'youngs_modulus'; allowed: contact_modulus, E/(1 - nu^2)"),
-        ("--from 1kPa --to 2kPa", "from is '1kPa'; allowed: a number alone, the pressures of this scene"),
-        ("--values 1e-3,2e-3 --points 30", "points is 30; allowed: none with --values"),
-        (
-            "--over seed --profile rough --cut-off-ratio 0.25 --from 0.5 --to 3",
-            "to is 3, and from 0.5; allowed: integers",
-        ),
-        ("--values 1e-3,,2e-3", "values is ''; allowed: a number"),
-        ("--values 9^9999", "values is '9^9999'; allowed: a number"),
-        (
-            "--over seed --profile rough --cut-off-ratio 0.25 --from 0 --to inf",
-            "to is inf, and from 0; allowed: finite numbers",
-        ),
+        ("--youngs-modulus 3 --over poisson_ratio --values 0.1", "youngs_modulus is 3; allowed: none with --over po"),
+        ("--over seed --profile rough --cut-off-ratio 0.25 --from 0.5 --to 3", "to is 3, and from 0.5; allowed: int"),
         ("--over approach --from 1e-3 --to 1", "to is 1; allowed: up to 0.041666"),
-        (
-            "--layer coated --thickness 0.1",
-            "base_modulus (or base_youngs_modulus) is missing; allowed: one of the two",
-        ),
+        ("--layer coated --thickness 0.1", "base_modulus (or base_youngs_modulus) is missing; allowed: one of the two"),
     ],
 )
 def test_what_is_wrong_is_said_before_anything_is_solved(tmp_path, capsys, words, said):
@@ -298,22 +254,6 @@ def test_columns_in_python():
             curve_of(scene, over, values)
 
 
-def test_an_accuracy_is_bought_for_every_value(tmp_path):
-    assert (
-        curve(tmp_path, *["--num-points", "2^14", "--thickness", "0.1", "--values", "1e-3,2e-3", "--accuracy", "1e-3"])
-        == 0
-    )
-    assert all(run["contact_area_error"] <= 1e-3 * run["contact_area_subgrid"] for run in runs(tmp_path))
-
-
-def test_what_must_be_given_may_be_what_varies(tmp_path):
-    assert (
-        curve(tmp_path, *["--num-points", "2^9", "--layer", "sliding", "--over", "thickness", "--values", "0.1,inf"])
-        == 0
-    )
-    assert [run["scene.thickness"] for run in runs(tmp_path)] == [0.1, math.inf]
-
-
 def test_the_figure_of_a_curve_that_is_not_finished_says_so(tmp_path):
     assert main.main(["curve", "--values", "1e-3,2e-3,4e-3", "--num-points", "256", "--folder", str(tmp_path)]) == 0
     path = tmp_path / "curve.h5"
@@ -344,7 +284,6 @@ def test_loads_at_which_the_area_rises_evenly(words, tmp_path):
 
 
 def test_spacing():
-    assert number.spaced(1.0, 100.0, 3, "auto", False) == (1.0, 10.0, 100.0)
     assert number.spaced(1.0, 3.0, 3, "auto", False) == (1.0, 2.0, 3.0)
     assert number.spaced(100.0, 1.0, 3, "auto", False) == (100.0, 10.0, 1.0)
     assert number.spaced(1.0, 4.0, 10, "linear", True) == (1.0, 2.0, 3.0, 4.0)
@@ -368,9 +307,8 @@ def test_a_grid_that_does_not_fit_into_a_worker_is_refused_before_anything_start
 def test_a_grid_that_does_not_fit_into_memory_is_refused_before_anything_is_solved(tmp_path, capfd, monkeypatch):
     monkeypatch.setattr(tasks, "solve", None)
     monkeypatch.setattr(checks, "available_memory", lambda: 2**20)
-    for words in (["--over", "num_points", "--values", "64,16384"], ["--num-points", "2^14"]):
-        assert curve(tmp_path, *words) == 2
-        assert "num_points is 16384, needing about 0.0 GiB" in capfd.readouterr().err
+    assert curve(tmp_path, "--over", "num_points", "--values", "64,16384") == 2
+    assert "num_points is 16384, needing about 0.0 GiB" in capfd.readouterr().err
     for run in (
         lambda: curve_of(Scene(num_points=64), "num_points", [64, 2**14]),
         lambda: ensemble_mean(Scene(indenter=RoughIndenter(), num_points=2**14), 0.1),
