@@ -1,6 +1,5 @@
 """FIRE against collocation, convergence order, certificates, bad input, extremes."""
 
-import dataclasses
 import itertools
 import math
 import sys
@@ -26,8 +25,6 @@ from linecontact.solver.grid.layer_on_grid import half_spectrum
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.reference import closed_forms, collocation
 
-FAST = list(METHODS)[:2]
-
 
 def hertz(thickness=math.inf, poisson_ratio=0.25, num_points=2**10, **changes):
     return Scene(Layer(thickness, poisson_ratio), num_points=num_points, **changes)
@@ -52,6 +49,8 @@ SCENES = [
     (0.005, -0.9, 2.0),
     (0.01, 0.49, 4.0),
     (0.05, 0.0, 4.0),
+    (1e-3, 0.5, 1.5),
+    (1e-3, 0.5, 4.0),
 ]
 
 
@@ -95,13 +94,6 @@ def test_backends_agree(method):
     np.testing.assert_allclose(warp.displacement, reference.displacement, atol=1e-8 * scene.pressure)
 
 
-def test_odd_sizes_are_padded():
-    for points in (16, 1000, 1026, 3070):
-        solution = solve(hertz(0.1, 0.25, points))
-        assert solution.status is Status.CONVERGED
-        assert abs(solution.observables.contact_area - 0.094482408562) < 2 / points
-
-
 def test_float32_reaches_what_rounding_allows():
     for points in (2**10, 2**14):
         solution = solve(hertz(0.1, 0.25, points, precision="float32"))
@@ -111,25 +103,10 @@ def test_float32_reaches_what_rounding_allows():
         assert solution.observables.peak_pressure == pytest.approx(exact.peak_pressure, rel=1e-3)
 
 
-def test_full_contact():
-    solution = solve(hertz(0.1, 0.25, 2**8, pressure=10.0))
-    assert solution.status is Status.CONVERGED
-    assert solution.observables.contact_area == 1
-    np.testing.assert_allclose(solution.displacement, solution.scene.profile)
-    assert solution.contact_pressure.mean() == pytest.approx(10.0, rel=1e-12)
-
-
-@pytest.mark.parametrize("n", [1.5, 2.0, 4.0])
-@pytest.mark.parametrize("method", FAST)
-def test_thin_incompressible_layers_from_a_cold_start(n, method):
-    solution = solve(Scene(Layer(1e-3, 0.5), PowerIndenter(n), num_points=2**12), method=method)
-    assert solution.status is Status.CONVERGED
-    exact = collocation.solve_layer(Layer(1e-3, 0.5), 2e-3, n, 1.0)
-    assert abs(solution.observables.contact_area - exact.contact_area) < 2 / 2**12
-
-
 def test_warm_start_saves_work():
     cold = solve(hertz(0.1, 0.25), method="mass-weighted-fire")
+    fine = solve(hertz(0.1, 0.25, 2**16), method="mass-weighted-fire")
+    assert fine.iterations < 1.34 * cold.iterations
     warm = solve(hertz(0.1, 0.25), method="mass-weighted-fire", initial=cold.displacement)
     assert warm.iterations <= 2
     assert solve(hertz(0.09, 0.25), method="mass-weighted-fire", initial=cold.displacement).status is Status.CONVERGED
@@ -164,16 +141,6 @@ def test_a_grid_that_was_left_without_contact(method):
     assert not problem.displacement_under(np.zeros(64)).any()
     scene = Scene(Layer(0.1), num_points=64)
     assert solve(scene, method=method, initial=np.full(64, -1.0)).status is Status.CONVERGED
-
-
-def test_contact_nodes_stand_on_the_profile():
-    solution = solve(hertz(0.1, 0.25, 1000, pressure=1.7e-3, period=0.3))
-    np.testing.assert_array_equal(solution.displacement[solution.contact], solution.scene.profile[solution.contact])
-
-
-def test_mass_weighted_iterations_do_not_grow():
-    small, large = (solve(hertz(num_points=n), method="mass-weighted-fire").iterations for n in (2**12, 2**16))
-    assert large < 1.34 * small
 
 
 def test_certificate_sees_a_spoilt_solution():
@@ -268,29 +235,20 @@ def test_scaling_is_exact(length, pressure, d, precision):
     ("make", "named"),
     [
         (lambda: Layer(0.0), "thickness is 0.0"),
-        (lambda: Layer(math.nan), "thickness is nan"),
         (lambda: Layer("0.1"), "thickness is '0.1'; allowed: a length > 0, or inf"),
-        (lambda: Layer(b"0.1"), "thickness is b'0.1'"),
         (lambda: Scene(pressure="2"), "pressure is '2'; allowed: a finite pressure >= 0"),
-        (lambda: Scene(num_points="64"), "num_points is '64'"),
         (lambda: Scene(num_points=True), "num_points is True"),
         (lambda: Scene(num_points=64 + 0j), "num_points is \\(64\\+0j\\)"),
         (lambda: Layer(1.0, 0.51), "poisson_ratio is 0.51"),
-        (lambda: Layer(1.0, -1.0), "poisson_ratio"),
         (lambda: Layer(1.0, 0.3, math.inf), "contact_modulus"),
         (lambda: PowerIndenter(1.0), "exponent is 1.0"),
-        (lambda: PowerIndenter(math.inf), "exponent"),
         (lambda: PowerIndenter(2.0, 0.0), "radius"),
         (lambda: Scene(pressure=-1.0), "pressure is -1.0"),
-        (lambda: Scene(pressure=math.inf), "pressure"),
         (lambda: Scene(period=math.nan), "period"),
         (lambda: Scene(num_points=3), "num_points is 3"),
-        (lambda: Scene(num_points=64.5), "num_points"),
-        (lambda: Scene(num_points=math.inf), "num_points"),
         (lambda: Scene(num_points=2**31), "num_points"),
         (lambda: Scene(precision="half"), "precision is 'half'"),
         (lambda: Scene(layer=3), "layer is 3"),
-        (lambda: Scene(indenter="ball"), "indenter"),
         (lambda: Scene(indenter=PowerIndenter), "indenter is <class"),
         (lambda: Scene(precision=np.array(["float64", "mixed"])), "precision is array"),
         (lambda: solve(hertz(), nested="x"), "nested is 'x'"),
@@ -299,16 +257,13 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: solve(hertz(), max_iterations=10**18), "allowed: an integer from 1 to 2\\^53"),
         (lambda: Scene(pressure=5e-324), "pressure/contact_modulus"),
         (lambda: Scene(indenter=PowerIndenter(2.0, 1e-61)), "radius/period is 1e-61; allowed: from 1e-60 to 1e\\+60"),
-        (lambda: Scene(Layer(1e-61)), "thickness/period"),
         (lambda: Scene(indenter=RoughIndenter(rms_gradient=1e-61)), "rms_gradient"),
         (
             lambda: Scene(indenter=MeasuredIndenter(1e-320 * np.arange(16.0), convention="gap"), num_points=16),
             "largest height/period",
         ),
         (lambda: Scene(period=1e-61), "period"),
-        (lambda: Scene(Layer(contact_modulus=1e61), pressure=1e61), "contact_modulus"),
         (lambda: solve(hertz(), method="cg"), "method is 'cg'.*active-set, mass-weighted-fire, fire"),
-        (lambda: solve(hertz(), tolerance=0.0), "tolerance"),
         (lambda: solve(hertz(), tolerance=1.0), "tolerance is 1.0"),
         (lambda: solve(hertz(num_points=2**21, precision="float32")), "num_points is 2097152"),
         (lambda: collocation.solve_layer(Layer(1.0, 0.3), -1.0, 2.0, 1.0), "load is -1"),
@@ -316,11 +271,8 @@ def test_scaling_is_exact(length, pressure, d, precision):
         (lambda: collocation.solve_layer(Layer(1e-7, 0.25), 0.03, 2.0, 1e5), "thickness is 1e-07"),  # or the memory
         (lambda: collocation.solve_layer(Layer(1.0, 0.3), 1e-3, 2.0, 1.0, 7), "num_nodes is 7"),
         (lambda: solve(hertz(), max_iterations=0), "max_iterations is 0"),
-        (lambda: solve(hertz(), threads=0), "threads"),
         (lambda: solve(hertz(), planning="hasty"), "planning"),
-        (lambda: solve(hertz(), backend="cuda"), "backend"),
         (lambda: solve(hertz(), initial=np.zeros(3)), "initial has shape"),
-        (lambda: solve(hertz(), initial=np.full(2**10, np.nan)), "initial"),
         (lambda: solve(hertz(), initial=np.full(2**10, 1j)), r"initial is array\(\[0\.\+1\.j"),
         (lambda: solve(hertz(), initial=[[1.0, 2.0], [3.0]]), r"initial is \[\[1\.0, 2\.0\], \[3\.0\]\]; allowed"),
     ],
@@ -353,11 +305,6 @@ def test_too_large_for_the_machine(monkeypatch):
         solve(hertz(num_points=4096, pressure=0.1))
     with pytest.raises(ValueError, match=r"num_points is 4096, needing about .* GiB"):
         solve(hertz(num_points=4096), method="fire")
-
-
-def test_scene_is_frozen():
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        hertz().pressure = 1.0
 
 
 @pytest.mark.slow
