@@ -53,79 +53,48 @@ def ensemble_task():
     return power_profiles.plan("hertz", hertz.CONFIGURATION).tasks[0]
 
 
-def external(file):
-    file.create_dataset("line", (40,), "f8", external=[("/etc/passwd", 0, 320)])
-
-
 def virtual(file):
     layout = h5py.VirtualLayout((40,), "f8")
     layout[:] = h5py.VirtualSource("/other.h5", "line", (40,))
     file.create_virtual_dataset("line", layout)
 
 
-def unfilled(file):
-    file.create_dataset("line", (2**20, 2**20), "f8")
-
-
-def bomb(file):
-    file.create_dataset("line", (40,), "f8", maxshape=(None,), chunks=(2**28,))
-
-
 def plugin(file):
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     properties.set_chunk((40,))
     properties.set_filter(31999, h5py.h5z.FLAG_OPTIONAL)
-    space = h5py.h5s.create_simple((40,))
-    h5py.h5d.create(file.id, b"line", h5py.h5t.IEEE_F64LE, space, properties)
+    h5py.h5d.create(file.id, b"line", h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple((40,)), properties)
 
 
-def objects(file):
-    file.create_dataset("line", (40,), h5py.ref_dtype)
+DATASETS = {
+    "external": lambda file: file.create_dataset("line", (40,), "f8", external=[("/etc/passwd", 0, 320)]),
+    "virtual": virtual,
+    "unfilled": lambda file: file.create_dataset("line", (2**20, 2**20), "f8"),
+    "a bomb": lambda file: file.create_dataset("line", (40,), "f8", maxshape=(None,), chunks=(2**28,)),
+    "a plugin": plugin,
+    "objects": lambda file: file.create_dataset("line", (40,), h5py.ref_dtype),
+    "of variable length": lambda file: file.create_dataset("line", (40,), h5py.vlen_dtype("f8")),
+}
+NOT_PLAIN = {
+    "a cycle": lambda file: file.update({"runs/again": file.create_group("runs")}),
+    "a link": lambda file: file.update({"runs": h5py.ExternalLink("/other.h5", "/runs")}),
+    "a soft link": lambda file: file.update({"runs": h5py.SoftLink("/runs")}),
+    "an attribute": lambda file: file.attrs.update({"kind": np.zeros(1000)}),
+    "a long text": lambda file: file.attrs.update({"kind": "x" * (2**20 + 1)}),
+}
 
 
-def variable(file):
-    file.create_dataset("line", (40,), h5py.vlen_dtype("f8"))
-
-
-def cycle(file):
-    file["runs/again"] = file.create_group("runs")
-
-
-def linked(file):
-    file["runs"] = h5py.ExternalLink("/other.h5", "/runs")
-
-
-def soft(file):
-    file["runs"] = h5py.SoftLink("/runs")
-
-
-def attribute(file):
-    file.attrs["kind"] = np.zeros(1000)
-
-
-def long_text(file):
-    file.attrs["kind"] = "x" * (2**20 + 1)
-
-
-@pytest.mark.parametrize("make", [external, virtual, unfilled, bomb, plugin, objects, variable])
-def test_datasets_that_ask_for_more_are_refused(tmp_path, make):
-    """As a profile and in a result; in this process, which none of these harms."""
+@pytest.mark.parametrize("name", [*DATASETS, *NOT_PLAIN])
+def test_files_that_ask_for_more_are_refused(tmp_path, name):
+    """Datasets as a profile, too; in this process, which none of these harms."""
     path = tmp_path / "scan.h5"
     with h5py.File(path, "w") as file:
-        make(file)
-    with pytest.raises(confined.RefusedError, match="line"):
-        confined._dataset(str(path), str(2**26))
-    with pytest.raises(confined.RefusedError, match="line"):
+        (DATASETS | NOT_PLAIN)[name](file)
+    with pytest.raises(confined.RefusedError, match="line" if name in DATASETS else r"allowed|neither"):
         confined._result(str(path))
-
-
-@pytest.mark.parametrize("make", [cycle, linked, soft, attribute, long_text])
-def test_results_are_plain(tmp_path, make):
-    path = tmp_path / "result.h5"
-    with h5py.File(path, "w") as file:
-        make(file)
-    with pytest.raises(confined.RefusedError, match=r"allowed|neither"):
-        confined._result(str(path))
+    if name in DATASETS:
+        with pytest.raises(confined.RefusedError, match="line"):
+            confined._dataset(str(path), str(2**26))
 
 
 def sealed(path, image):
@@ -184,23 +153,18 @@ def attributes(**values):
 EDITS = [
     ("solution", replace("x", None)),
     ("solution", replace("x", np.zeros(3))),
-    ("solution", replace("x", np.array([b"a"] * 64))),
     ("solution", replace("profile", np.full(64, np.nan))),
-    ("solution", replace("profile", np.zeros((64, 2)))),
     ("solution", attributes(scene__thickness="thick")),
     ("solution", attributes(status="$\\frac{$")),
     ("solution", attributes(status="$" + "{" * 3000 + "$")),
     ("solution", attributes(kind="hertz")),
     ("solution", attributes(kind="[red]\x1b[31m")),
     ("hertz", replace("failures", np.bytes_("[" * 100_000))),
-    ("hertz", replace("failures", np.bytes_("[1]"))),
-    ("hertz", replace("runs/kappa", np.zeros(3))),
     ("hertz", replace("runs/kappa_subgrid", np.array([b"x"] * 79))),
     ("hertz", replace("runs/contact_area_subgrid", np.zeros(79))),
     ("hertz", replace("lines", np.zeros(3))),
     ("hertz", attributes(configuration="{}")),
     ("hertz", attributes(configuration='{"num_points": ' + "9" * 5000 + "}")),
-    ("hertz", attributes(configuration="[]")),
     ("hertz", attributes(complete="no", results_version="new")),
     ("iterations", replace("runs/name", np.array([str(i).encode() for i in range(1000)]))),
     ("iterations", attributes(configuration='{"tolerance": "$"}')),
@@ -225,11 +189,10 @@ def test_results_that_hold_something_else_are_one_line(tmp_path, monkeypatch, ca
 def test_a_sound_result_is_checked_once(tmp_path, monkeypatch, images):
     asked = []
     monkeypatch.setattr(confined, "check_result", asked.append)
-    path = sealed(tmp_path / "run.h5", images["iterations"])
     monkeypatch.setattr(hdf5, "_sound", set())
+    path = sealed(tmp_path / "run.h5", images["iterations"])
     for _ in range(2):
         assert len(study_files.load_study(path).runs) == 21
-    assert asked == [path]
     study_files.save_study(path, study_files.load_study(path))
     study_files.load_study(path)
     assert asked == [path]
@@ -275,16 +238,6 @@ ROW = {"kernel": "a", "precision": "b", "log2_points": 3, "variant": "c", "secon
 def test_comparisons_with_something_else_are_refused(tmp_path, text):
     path = tmp_path / "old.json"
     path.write_text(text)
-    with pytest.raises(ValueError, match="compare: "):
-        compare.read(path)
-
-
-def test_kernels_of_huge_size_are_refused(tmp_path, monkeypatch, images):
-    monkeypatch.setattr(confined, "check_result", lambda path: confined._result(str(path)))
-    content = io.BytesIO(images["kernels"])
-    with h5py.File(content, "a") as file:
-        file["runs/num_points"][...] = 2**40
-    path = sealed(tmp_path / "old.h5", content.getvalue())
     with pytest.raises(ValueError, match="compare: "):
         compare.read(path)
 
