@@ -151,11 +151,9 @@ def attributes(**values):
 
 
 EDITS = [
-    ("solution", replace("x", None)),
     ("solution", replace("x", np.zeros(3))),
     ("solution", replace("profile", np.full(64, np.nan))),
     ("solution", attributes(scene__thickness="thick")),
-    ("solution", attributes(status="$\\frac{$")),
     ("solution", attributes(status="$" + "{" * 3000 + "$")),
     ("solution", attributes(kind="hertz")),
     ("solution", attributes(kind="[red]\x1b[31m")),

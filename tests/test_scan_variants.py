@@ -54,7 +54,9 @@ READ = {
     "given for one": ("x [mm],z\n" + rows(x="mm", z="nm"), {"z_unit": "nm"}),
     "the scene's own": (rows(x="m", z="m"), {"scene_units": True}),
     "the scene's own, mm": (rows(x="mm", z="mm"), {"scene_units": True, "length_unit": "mm"}),
+    "a scene in mm": ("x [um],z [nm]\n" + rows(z="nm"), {"length_unit": "mm"}),
     # encodings
+    "Latin 1": (("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("latin-1"), {}),
     "UTF-16, big end first": (b"\xfe\xff" + ("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-16-be"), {}),
     "UTF-8 with a mark": (("x [\u00b5m],z [\u00b5m]\n" + rows()).encode("utf-8-sig"), {}),
     "decoded once too little": ("x [\u00c2\u00b5m],z [\u00c2\u00b5m]\n" + rows(), {}),

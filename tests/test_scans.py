@@ -1,6 +1,5 @@
 """Profiles from files: every format and convention, what is done to them, and what is refused."""
 
-import math
 import re
 from pathlib import Path
 
@@ -59,17 +58,6 @@ def test_formats(tmp_path, heights, suffix):
         np.testing.assert_allclose(indenter.heights, heights - heights.min(), atol=1e-18)
         assert indenter.description["profile_values"] == 64
         assert "shifted to h >= 0" in indenter.description["profile_steps"]
-
-
-def test_conventions_and_units(tmp_path, heights):
-    path = write(tmp_path, ".txt", [np.arange(64.0), heights])
-    given = {"x_unit": "um", "z_unit": "nm", "length_unit": "mm", "detrend": "none", "window": "none"}
-    scan, period, _ = read(path, num_points=64, **given)  # heights, peaks up, are the default
-    assert period == pytest.approx(64e-3)
-    np.testing.assert_allclose(scan.heights, 1e-6 * (heights.max() - heights), atol=1e-18)
-    only_z = read(path, num_points=64, z_unit="um", length_unit="m", **AS_IT_IS)
-    assert only_z[1] == 64
-    np.testing.assert_allclose(only_z[0].heights, 1e-6 * (heights - heights.min()), atol=1e-18)
 
 
 @pytest.mark.parametrize(("values", "points", "wave"), [(41, 123, 4), (64, 256, 3), (101, 202, 50)])
@@ -160,18 +148,6 @@ def test_what_was_made_of_a_scan_is_doubted_where_it_may_be_wrong(tmp_path):
     assert re.search(r"steps between positions differ from their mean by up to \d\d%; heights were interpolated", text)
 
 
-def test_where_values_are_missing_the_others_stay(tmp_path):
-    x, z = 0.5 * np.arange(400.0), np.random.default_rng(6).standard_normal(400).cumsum()
-    whole = read(write(tmp_path, ".txt", [x, z]), num_points=400, **AS_IT_IS)[0].profile(400, 1.0)
-    for missing in ([17], [17, 18, 300]):
-        there = np.delete(np.arange(400), missing)
-        holed, period, *_ = read(write(tmp_path, ".txt", [x[there], z[there]]), num_points=400, **AS_IT_IS)
-        assert f"{len(missing)} missing, whose heights were filled" in holed.description["profile_steps"]
-        assert period == pytest.approx(200)
-        away = holed.profile(400, 1.0)[there] - whole[there]
-        np.testing.assert_allclose(away, away[0], atol=1e-12)
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -193,32 +169,6 @@ def test_values_that_may_stand_for_missing_ones_are_doubted(tmp_path, change, sa
     indenter = read_scan(tmp_path / "scan.csv", length_unit="um").indenter
     doubts = [doubt for doubt in indenter.doubts.split("; ") if doubt and not doubt.startswith("between")]
     assert [doubt.startswith(said) for doubt in doubts] == [True] * bool(said)
-
-
-def test_headers_and_line_ends(tmp_path):
-    path = tmp_path / "scan.csv"
-    rows = "".join(f"{0.1 * i:.1f},{math.sin(i):.5f},,\r\n" for i in range(32))
-    path.write_bytes(b"Scan,Standard\r\nStylus,2.5 \xb5m\r\n7\r\nx,z\r\n" + rows.encode() + b"\r\n\r\n")
-    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())  # a byte order mark is no header
-    indenter, period, n = read(path, num_points=64)
-    assert n == 64
-    assert period == pytest.approx(6.4)
-    assert "4 lines of header" in indenter.description["profile_steps"]
-
-
-@pytest.mark.parametrize(
-    ("rows", "options", "said"),
-    [
-        ("{}\n", {}, "numbers of scan.txt, one column, 0 lines of header, z from column 1;"),
-        ("{},5\n", {"decimal": "comma"}, "one column, decimal commas, 0 lines of header, z from column 1;"),
-        ("1 {}\n", {"columns": "2"}, "spaces between columns, 0 lines of header, z from column 2;"),
-        ("{0};{1};{0}\n", {"columns": "1,2"}, "semicolons between columns, .*, x from column 1, z from column 2;"),
-    ],
-)
-def test_how_a_text_was_read_is_recorded(tmp_path, rows, options, said):
-    (tmp_path / "scan.txt").write_text("".join(rows.format(i, i % 7) for i in range(10, 50)))
-    description = read(tmp_path / "scan.txt", window="none", **options)[0].description
-    assert re.search(said, description["profile_steps"])
 
 
 ROWS = "".join(f"{i} {i % 7}\n" for i in range(40))
@@ -336,17 +286,13 @@ def test_wrong_options_are_named_in_python(tmp_path, options, named):
 
 
 def test_the_scene_of_a_scan(tmp_path):
-    path = write(tmp_path, ".csv", [np.random.default_rng(0).random(32)])
-    scan = read_scan(path, scan_length=1e-3, z_unit="nm")
+    scan = read_scan(write(tmp_path, ".csv", [np.random.default_rng(0).random(32)]), scan_length=1e-3, z_unit="nm")
     layer = Layer(1e-3, contact_modulus=1.0)
     scene = scan.scene(layer, 1e-6)
-    assert (scene.period, scene.num_points) == (scan.period, scan.num_points) == (2e-3, 256)
-    assert scene.pressure == 1e-6
+    assert (scene.period, scene.num_points, scene.pressure) == (scan.period, scan.num_points, 1e-6) == (2e-3, 256, 1e-6)
     assert scan.scene(layer, approach=1e-9).approach == 1e-9
     with pytest.raises(ValueError, match=r"^pressure \(or approach\) is missing; allowed: one of the two"):
         scan.scene(layer)
-    with pytest.raises(ValueError, match=r"^pressure is nan; allowed: a finite pressure"):
-        scan.scene(layer, math.nan)
     for own in (Layer(1e-3), SlidingLayer(1e-3), CoatedHalfSpace(1e-3, 2.0)):
         with pytest.raises(ValueError, match=r"^contact_modulus of the layer is missing; allowed: its E\* must be"):
             scan.scene(own, 1e-6)
