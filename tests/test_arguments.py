@@ -156,6 +156,11 @@ def test_types_that_no_option_has_are_refused(hint):
         options_of(kind)
 
 
+@pytest.mark.parametrize("name", ["linecontact.studies.files.writing:Options", "no.such.module:Kind", "sys:Kind"])
+def test_what_the_source_does_not_tell_is_none(name):
+    assert declarations.read(name) is None
+
+
 @pytest.mark.parametrize("name", [*OWN, *WORDED, *(f"{module}:Options" for module in STUDIES.values())])
 def test_every_class_that_is_named_has_options_that_its_source_tells(name):
     module, _, own = name.partition(":")

@@ -416,6 +416,17 @@ def test_gaps_between_two_nodes_are_in_the_table():
     assert "gaps and patches that no node shows" not in here("solve", *words, 0.1).stdout
 
 
+def test_iterations_study(tmp_path):
+    """The number of FIRE's iterations grows with the root of that of the points, unless masses are weighted."""
+    assert here("study", "iterations", "--quick", "--folder", tmp_path).returncode == 0
+    assert (tmp_path / "iterations.png").exists()
+    study = study_files.load_study(tmp_path / "iterations.h5")
+    assert study.complete
+    counts = {m: study.column("iterations")[study.column("method") == m] for m in ("fire", "mass-weighted-fire")}
+    assert counts["fire"][-1] > 1.5 * counts["fire"][0]  # sqrt(4) = 2 expected from 2^12 to 2^14
+    assert counts["mass-weighted-fire"][-1] < 1.34 * counts["mass-weighted-fire"][0]
+
+
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="sees Linux' processes only")
 def test_ctrl_c_during_imports_is_one_line():
     command = [sys.executable, "-m", "linecontact.studies", "solve"]

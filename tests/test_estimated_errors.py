@@ -20,7 +20,9 @@ from linecontact.solver import (
     Status,
     solve,
 )
+from linecontact.solver.calibration import FITTED
 from linecontact.solver.grid.contact import contact_edges
+from linecontact.solver.grid.errors import estimated
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
 from linecontact.solver.grid.unseen import unseen_patches
@@ -224,6 +226,21 @@ def test_what_many_patches_have_in_common_is_estimated():
         beyond.append(off / coarse.contact_area_error)
     assert sum(ratio > 1 for ratio in beyond) <= 2
     assert max(beyond) < 2
+
+
+@pytest.mark.parametrize("indenter", [QUICK_ROUGH, PowerIndenter(4.0)])
+def test_an_estimate_is_the_rule_of_its_parts(indenter):
+    """sqrt((a c)^2 + [b V/M (s/m)^2]^2 + e^2), also where the last change is small by chance."""
+    scene = Scene(Layer(), indenter, 2e-2, num_points=2**14)
+    found = solve(scene)
+    o, quantity = found.observables, QUANTITIES["peak-pressure"]
+    last, before = (replace(o, peak_pressure=share * o.peak_pressure) for share in (1.0 + 1e-9, 1.1))
+    nodes = o.contact_area_subgrid * scene.num_points / o.num_patches
+    of_nodes = o.peak_pressure / o.num_patches * (indenter.steepness / nodes) ** 2
+    for levels, change in (([last, before], 0.1), ([before, last], 0.1 / 16)):
+        parts = 0.2 * change * o.peak_pressure, FITTED.of_nodes_in_peak * of_nodes, o.peak_pressure_sampling
+        assert estimated(quantity, scene, scene.num_points, o, levels) == pytest.approx(math.hypot(*parts), rel=1e-6)
+    assert estimated(quantity, scene, scene.num_points, o, []) == math.inf
 
 
 KINKED = {

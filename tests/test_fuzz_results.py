@@ -240,6 +240,15 @@ def test_comparisons_with_something_else_are_refused(tmp_path, text):
         compare.read(path)
 
 
+def test_kernels_of_huge_size_are_refused(tmp_path, monkeypatch, images):
+    monkeypatch.setattr(confined, "check_result", lambda path: confined._result(str(path)))
+    content = io.BytesIO(images["kernels"])
+    with h5py.File(content, "a") as file:
+        file["runs/num_points"][...] = 2**40
+    with pytest.raises(ValueError, match="compare: "):
+        compare.read(sealed(tmp_path / "old.h5", content.getvalue()))
+
+
 @settings(fuzz, max_examples=6)
 @given(st.data())
 def test_any_result(tmp_path, images, data):

