@@ -287,15 +287,6 @@ def test_contact_stiffness_on_layers(layer, spacing, load, most):
     assert solution.contact_stiffness == pytest.approx(exact, rel=most)
 
 
-@pytest.mark.parametrize("layer", LAYERS)
-def test_full_contact_pressure(layer):
-    scene = Scene(layer, ROUGH, num_points=2**10)
-    full = Problem.from_scene(scene).full_contact_pressure
-    below, above = (solve(replace(scene, pressure=full * share)) for share in (0.99, 1.01))
-    assert above.contact.all()
-    assert not below.contact.all()
-
-
 @pytest.mark.parametrize(("method", "precision"), [("mass-weighted-fire", "float64"), ("active-set", "float32")])
 def test_full_contact_by_its_approach_with_other_methods_and_precisions(method, precision):
     scene = Scene(Layer(), ROUGH, num_points=2**10, precision=precision)

@@ -387,14 +387,6 @@ def test_a_peak_between_nodes_that_all_grids_share_is_told():
     assert abs(bought.peak_pressure - fine.peak_pressure) < 1e-5 * fine.peak_pressure
 
 
-@pytest.mark.parametrize("exponent", [1.05, 1.2, 1.35])
-def test_kappa_at_sharp_tips(exponent):
-    for layer in (SlidingLayer(0.1), Layer()):
-        scene = Scene(layer, PowerIndenter(exponent), 0.01, num_points=2**12)
-        coarse, fine = (solve(scene.on_grid(n)).observables for n in (2**12, 2**18))
-        assert abs(coarse.kappa_subgrid - fine.kappa_subgrid) < coarse.kappa_error < 0.01 * fine.kappa_subgrid
-
-
 @dataclass(frozen=True)
 class Wedge(Indenter):
     """h = s |x - c|, periodic: the tip stands a share of a spacing of the finest grid beside a node."""

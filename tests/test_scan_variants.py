@@ -34,7 +34,6 @@ UNITS = {"x_unit": "um", "z_unit": "um"}
 
 READ = {
     # units in the label of a column
-    "micro sign": ("x [\u00b5m],z [\u00b5m]\n" + rows(), {}),
     "nanometer": ("Distance (um),Height (nanometer)\n" + rows(z="nm"), {}),
     "one of several heights": ("x [um],z2 [nm]\n" + rows(z="nm"), {}),
     "a label left out": ('"No.","Distance","Height"\n"","\u00b5m","\u00b5m"\n' + rows(order="nxz"), {}),
@@ -64,7 +63,6 @@ READ = {
     "a comment below the labels": ("x [um],z [um]\n# measured by me\n" + rows(), {}),
     # separators and decimals
     "decimal commas, semicolons": ("x [um];z [um]\n" + rows(sep=";", decimal=","), {}),
-    "decimal commas, tabs": ("x [um]\tz [um]\n" + rows(sep="\t", decimal=","), {}),
     "decimal commas, spaces": ("x [um]  z [um]\n" + rows(sep="  ", decimal=","), {}),
     "comma and space": ("x [um], z [um]\n" + rows(sep=", "), {}),
     "trailing empty columns": ("x [um],z [um],,\n" + rows(end=" , ,"), {}),
@@ -72,7 +70,6 @@ READ = {
     # columns
     "heights first": ("Height [nm],Position [um]\n" + rows(z="nm", order="zx"), {}),
     "an index between labels": ("Index,X [um],Z [um]\n" + rows(order="nxz"), {}),
-    "heights last": ("X [um],Quality,Height [um]\n" + rows(order="xqz"), {}),
     "a column of heights": ("Height [nm]\n" + rows(z="nm", order="z"), {"scan_length": COUNT * SPACING}),
     # positions
     "reversed": ("x [um],z [um]\n" + rows(reverse=True), {}),

@@ -92,8 +92,11 @@ def test_tilt_and_window(tmp_path, values):
     assert "tilt of" in indenter.description["profile_steps"]
     as_it_is, _, _ = read(path, num_points=values, **AS_IT_IS)
     np.testing.assert_allclose(as_it_is.heights, tilted - tilted.min())
-    asked, _, _ = read(path, num_points=values, **AS_IT_IS | {"detrend": "linear"})
-    assert abs(np.polyfit(np.arange(values), asked.heights, 1)[0]) < 1e-12
+    for degree, how in enumerate(("mean", "linear", "curvature")):
+        asked, _, _ = read(path, num_points=values, **AS_IT_IS | {"detrend": how})
+        of_rest = np.polyfit(np.linspace(-1, 1, values), asked.heights, degree)[:-1]
+        np.testing.assert_allclose(of_rest, 0, atol=1e-12)
+        assert degree or np.ptp(asked.heights) == pytest.approx(np.ptp(tilted))
 
 
 @pytest.mark.parametrize(("values", "accuracy", "points"), [(3001, None, 2**15), (3001, 1e-3, 48000), (40, 1e-2, 640)])
