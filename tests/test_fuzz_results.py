@@ -151,6 +151,7 @@ def attributes(**values):
 
 
 EDITS = [
+    ("solution", replace("x", None)),
     ("solution", replace("x", np.zeros(3))),
     ("solution", replace("profile", np.full(64, np.nan))),
     ("solution", attributes(scene__thickness="thick")),
