@@ -3,7 +3,6 @@
 The cases are what longer runs have found; a short run, with fixed seeds, goes on looking.
 """
 
-import contextlib
 import hashlib
 import io
 import json
@@ -13,9 +12,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from fuzzing import fuzz, mutants
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from linecontact import studies
 from linecontact.solver import Scene, solve
 from linecontact.studies import hertz
@@ -23,7 +19,7 @@ from linecontact.studies.command_line import main as cli
 from linecontact.studies.files import confined, hdf5, solution_files, study_files, writing
 from linecontact.studies.kernel_benchmark import compare
 from linecontact.studies.power_profiles import tasks as power_profiles
-from linecontact.studies.runner import drawing, tasks
+from linecontact.studies.runner import tasks
 from linecontact.studies.scans import reading
 
 RESULTS = Path(studies.__file__).parent / "results"
@@ -75,26 +71,16 @@ DATASETS = {
     "objects": lambda file: file.create_dataset("line", (40,), h5py.ref_dtype),
     "of variable length": lambda file: file.create_dataset("line", (40,), h5py.vlen_dtype("f8")),
 }
-NOT_PLAIN = {
-    "a cycle": lambda file: file.update({"runs/again": file.create_group("runs")}),
-    "a link": lambda file: file.update({"runs": h5py.ExternalLink("/other.h5", "/runs")}),
-    "a soft link": lambda file: file.update({"runs": h5py.SoftLink("/runs")}),
-    "an attribute": lambda file: file.attrs.update({"kind": np.zeros(1000)}),
-    "a long text": lambda file: file.attrs.update({"kind": "x" * (2**20 + 1)}),
-}
 
 
-@pytest.mark.parametrize("name", [*DATASETS, *NOT_PLAIN])
-def test_files_that_ask_for_more_are_refused(tmp_path, name):
-    """Datasets as a profile, too; in this process, which none of these harms."""
+@pytest.mark.parametrize("name", DATASETS)
+def test_datasets_that_ask_for_more_are_refused(tmp_path, name):
+    """In this process, which none of these harms."""
     path = tmp_path / "scan.h5"
     with h5py.File(path, "w") as file:
-        (DATASETS | NOT_PLAIN)[name](file)
-    with pytest.raises(confined.RefusedError, match="line" if name in DATASETS else r"allowed|neither"):
-        confined._result(str(path))
-    if name in DATASETS:
-        with pytest.raises(confined.RefusedError, match="line"):
-            confined._dataset(str(path), str(2**26))
+        DATASETS[name](file)
+    with pytest.raises(confined.RefusedError, match="line"):
+        confined._dataset(str(path), str(2**26))
 
 
 def sealed(path, image):
@@ -103,30 +89,19 @@ def sealed(path, image):
     return path
 
 
-def endless_heap(image):
-    """The free space of the heap of texts, of no size: HDF5 looks for its end for ever."""
-    heap = image.index(b"GCOL")
-    image[heap + 48 : heap + 56] = bytes(8)
-
-
-def odd_type(image):
-    """Text of variable length that is neither text nor a sequence: HDF5 crashes."""
+def test_what_hdf5_does_not_survive_is_one_line(tmp_path, monkeypatch):
+    """Text of variable length that is neither text nor a sequence, in a file of somebody else's: HDF5 crashes."""
+    path = tmp_path / "scan.h5"
+    monkeypatch.setattr(confined, "SECONDS", 1)
+    with h5py.File(path, "w") as file:
+        file["line"] = np.zeros(40)
+        file["line"].attrs["kind"] = "solution"
+    image = bytearray(path.read_bytes())
     kind = image.index(b"kind\0\0\0\0\x19\x01")
     image[kind + 9] = 0x9E
-
-
-@pytest.mark.parametrize("harm", [endless_heap, odd_type])
-def test_what_hdf5_does_not_survive_is_one_line(tmp_path, monkeypatch, capfd, harm):
-    monkeypatch.setattr(confined, "SECONDS", 1)
-    with h5py.File("image", "w", driver="core", backing_store=False) as file:
-        file.attrs["kind"] = "solution"
-        file.flush()
-        image = bytearray(file.id.get_file_image())
-    harm(image)
-    assert cli.main(["plot", str(sealed(tmp_path / "run.h5", bytes(image)))]) == 2
-    said = capfd.readouterr().err
-    assert "is damaged" in said
-    assert said.count("\n") == 1
+    path.write_bytes(image)
+    with pytest.raises(confined.BrokenError, match="its library crashed"):
+        confined.read_dataset(path, 100, "line")
 
 
 @pytest.fixture(scope="module")
@@ -172,8 +147,7 @@ EDITS = [
 
 
 @pytest.mark.parametrize(("kind", "edit"), EDITS)
-def test_results_that_hold_something_else_are_one_line(tmp_path, monkeypatch, capfd, images, kind, edit):
-    monkeypatch.setattr(confined, "check_result", lambda path: confined._result(str(path)))
+def test_results_that_hold_something_else_are_one_line(tmp_path, capfd, images, kind, edit):
     content = io.BytesIO(images[kind])
     with h5py.File(content, "a") as file:
         edit(file)
@@ -183,18 +157,6 @@ def test_results_that_hold_something_else_are_one_line(tmp_path, monkeypatch, ca
     assert said.count("\n") == 1
     assert "\x1b" not in said
     assert [file.name for file in tmp_path.iterdir()] == ["run.h5"]
-
-
-def test_a_sound_result_is_checked_once(tmp_path, monkeypatch, images):
-    asked = []
-    monkeypatch.setattr(confined, "check_result", asked.append)
-    monkeypatch.setattr(hdf5, "_sound", set())
-    path = sealed(tmp_path / "run.h5", images["iterations"])
-    for _ in range(2):
-        assert len(study_files.load_study(path).runs) == 21
-    study_files.save_study(path, study_files.load_study(path))
-    study_files.load_study(path)
-    assert asked == [path]
 
 
 @pytest.mark.parametrize(
@@ -241,18 +203,9 @@ def test_comparisons_with_something_else_are_refused(tmp_path, text):
         compare.read(path)
 
 
-def test_kernels_of_huge_size_are_refused(tmp_path, monkeypatch, images):
-    monkeypatch.setattr(confined, "check_result", lambda path: confined._result(str(path)))
+def test_kernels_of_huge_size_are_refused(tmp_path, images):
     content = io.BytesIO(images["kernels"])
     with h5py.File(content, "a") as file:
         file["runs/num_points"][...] = 2**40
     with pytest.raises(ValueError, match="compare: "):
         compare.read(sealed(tmp_path / "old.h5", content.getvalue()))
-
-
-@settings(fuzz, max_examples=6)
-@given(st.data())
-def test_any_result(tmp_path, images, data):
-    path = sealed(tmp_path / "run.h5", data.draw(mutants(images["iterations"])))
-    with contextlib.suppress(writing.StoreError):
-        drawing.draw(path)
