@@ -250,9 +250,9 @@ _ANSWER = "Bokeh.documents[0].get_model_by_name('answer').value"
 
 
 @contextlib.contextmanager
-def opened(server, *size):
+def opened(server):
     """The page in a browser, once it shows an answer; in the end the browser has nothing to complain of."""
-    with browser.Browser(*size) as page:
+    with browser.Browser() as page:
         page.open(server.address)
         page.wait("typeof Bokeh !== 'undefined' && Bokeh.documents.length > 0")
         page.wait(f"{_ANSWER}.includes('a_r =')")
@@ -303,13 +303,6 @@ def test_a_logarithmic_axis_has_ticks_everywhere(server):
             found = page.value(f"{_TICKS}({low}, {high})")
             assert " ".join(map(str.strip, found)) == ticks
             assert {len(text) for text in found} == {8}  # of one width: others would have the page laid out anew
-
-
-@needs_browser
-@pytest.mark.parametrize("width", [390, 1400])
-def test_the_page_is_not_wider_than_the_screen(server, width):
-    with opened(server, width, 800) as page:
-        page.wait(f"document.documentElement.scrollWidth <= {width}")
 
 
 _HOOK = """(() => {

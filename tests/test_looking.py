@@ -127,10 +127,9 @@ def check_places(figure):
         labels = (axes.xaxis.label, axes.yaxis.label, axes.title)
         outside += [label.get_window_extent() for label in labels if label.get_text()]
         for axis, low, high in ((axes.xaxis, "x0", "x1"), (axes.yaxis, "y0", "y1")):
-            numbers = [
-                label.get_window_extent() for label in (*axis.get_majorticklabels(), *axis.get_minorticklabels())
-            ]
-            boxes = sorted((box for box in numbers if box.width), key=operator.attrgetter(low))
+            numbers = [*axis.get_majorticklabels(), *axis.get_minorticklabels()]
+            boxes = [number.get_window_extent() for number in numbers if number.get_text()]
+            boxes = sorted((box for box in boxes if box.width), key=operator.attrgetter(low))
             assert all(getattr(a, high) < getattr(b, low) for a, b in itertools.pairwise(boxes))
     for k, one in enumerate(outside):
         assert not any(one.overlaps(panel) for panel in panels)
@@ -318,6 +317,12 @@ def test_what_a_figure_says(scene, said):
     check_places(figure)
 
 
+def test_a_title_names_what_its_points_share_of_the_base():
+    numbers = {f"scene.{name}": value for name, value in COATED.to_dict().items()}
+    assert titles.base(numbers, ["base_modulus"]) == titles.base(numbers, ["contact_modulus"]) == "base: $\\nu_2=0.3$"
+    assert titles.base(numbers, ["base_poisson_ratio"]) == "base: $E_2^*=0.5\\,E^*$"
+
+
 @dataclass(frozen=True)
 class Membrane(SlidingLayer):
     """A layer with a number of its own."""
@@ -351,13 +356,10 @@ def test_a_figure_is_drawn_again_over_itself_and_over_no_other(solution, tmp_pat
     Figure().savefig(path)
     with pytest.raises(ValueError, match="exists"):
         solution.plot(path)
-
-
-def test_what_cannot_be_drawn_is_refused(solution, tmp_path):
     with pytest.raises(ValueError, match="solution is 'run'; allowed: a Solution"):
         plot("run")
     with pytest.raises(ValueError, match=r"run\.txt; allowed: a name that ends in .*\.png"):
-        solution.plot(tmp_path / "run.txt")
+        solution.plot(path.with_suffix(".txt"))
 
 
 RESULTS = Path(studies.__file__).parent / "results"
