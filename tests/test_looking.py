@@ -396,10 +396,11 @@ def test_numbers_at_logarithmic_axes_are_plain_text(base, limits, labels):
 
 
 def test_a_power_of_ten_stands_at_the_end_of_an_axis_in_plain_text():
-    figure, grid = panels(1, 1, ONE_COLUMN, 2.0)
-    grid[0, 0].plot([0, 1], [0, 3e-5])
-    few_ticks(grid[0, 0])
-    figure.draw_without_rendering()
+    with matplotlib.rc_context({"axes.formatter.use_mathtext": True}):
+        figure, grid = panels(1, 1, ONE_COLUMN, 2.0)
+        grid[0, 0].plot([0, 1], [0, 3e-5])
+        few_ticks(grid[0, 0])
+        figure.draw_without_rendering()
     assert grid[0, 0].yaxis.get_offset_text().get_text() == "\u00d710⁻⁵"
 
 
