@@ -25,7 +25,7 @@ from linecontact.solver.grid.contact import contact_edges
 from linecontact.solver.grid.errors import estimated
 from linecontact.solver.grid.patches import Patches
 from linecontact.solver.grid.problem import Problem
-from linecontact.solver.grid.unseen import unseen_patches
+from linecontact.solver.grid.unseen import unseen_gaps, unseen_patches
 from linecontact.solver.reference import closed_forms, collocation
 from linecontact.studies.command_line import main
 from linecontact.studies.files.study_files import load_study
@@ -174,6 +174,19 @@ def test_a_gap_at_a_ridge_that_closes_between_the_nodes(half_gap, beside):
     scene = Scene(SlidingLayer(0.01), ridge, pressure, num_points=n)
     (value, error), (fine, _) = (measured(solve(s), QUANTITIES["contact-area"]) for s in (scene, scene.on_grid(16 * n)))
     assert 0.03 / n < abs(value - fine) < error < 2 / n
+
+
+@pytest.mark.parametrize(("gap", "beside"), [(0.2, 0.0), (0.2, 0.39), (0.7, -0.14), (1.35, 0.01)])
+def test_a_gap_between_two_nodes_is_seen(gap, beside):
+    """The pressure beside a narrow gap, as it is on a grid without a node in it, wherever between two nodes it lies."""
+    pressure = 0.1 * (np.arange(16) - 6.5 - beside) ** 2 - 0.1 * gap**2 / 8
+    within, across = np.arange(3, 19), np.append(np.arange(6), np.arange(22, 32))  # the end of the period
+    for patches in (Patches.of_nodes(nodes, 32) for nodes in (within, across)):
+        assert unseen_gaps(patches, pressure, kinks=True) == pytest.approx(gap)
+    for shift in range(16):  # in full contact also across the end of the period
+        assert unseen_gaps(Patches.of_nodes(np.arange(16), 16), np.roll(pressure, shift), True) == pytest.approx(gap)
+    two = Patches.of_nodes(np.delete(np.arange(17), 7), 32)  # a gap with a node in it is seen already
+    assert not unseen_gaps(two, pressure, kinks=True)
 
 
 # where the period ends, and where the parts meet in which the nodes are looked at

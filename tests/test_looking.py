@@ -224,6 +224,7 @@ def test_a_scan_is_drawn_in_its_units_with_its_mirror_image(tmp_path):
     ("options", "x", "z", "size", "thickness"),
     [
         ({"length_unit": "mm"}, "mm", "mm", 1e-3, "$d=0.002$ mm"),
+        ({"x_unit": "um", "z_unit": "nm"}, "\u00b5m", "nm", 1.0, "$d=2$ \u00b5m"),
         ({"scene_units": True}, "own unit", "own unit", 1.0, "$d=2$ own unit"),
     ],
 )

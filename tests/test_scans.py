@@ -105,6 +105,12 @@ def test_the_grid_goes_as_far_as_the_scan(tmp_path, values, accuracy, points):
     assert read(write(tmp_path, ".npy", [z]), accuracy=accuracy).num_points == points
 
 
+@pytest.mark.parametrize("unit", ["m", "nm"])
+def test_heights_of_any_size_are_a_profile(tmp_path, heights, unit):
+    scan = read_scan(write(tmp_path, ".csv", [heights]), scan_length=1e-3, z_unit=unit, **AS_IT_IS)
+    assert scan.indenter.heights.max() == pytest.approx(np.ptp(heights) * {"m": 1.0, "nm": 1e-9}[unit], rel=0.1)
+
+
 def test_uneven_positions_are_interpolated(tmp_path):
     rng = np.random.default_rng(1)
     x = np.sort(rng.random(200))
