@@ -1,5 +1,6 @@
 """The Warp kernels that find where patches and gaps end: by the last pressures of all patches, in one thread; by the
-loads of narrow ones, and for gaps, in a thread for each. Derived in `solver/grid/edges.py` and `narrow.py`.
+loads of narrow ones, and for gaps, in a thread for each; and the integrals of squared slopes between them. Derived in
+`solver/grid/edges.py` and `narrow.py`.
 
 Float64, in grid spacings.
 """

@@ -58,6 +58,20 @@ def test_packed_against_whole_transforms(num_points, block, thickness, nu):
     assert forth == pytest.approx(back, rel=0, abs=1e-12 * float(np.sum(np.abs(other * packed(pressure)))))
 
 
+@pytest.mark.parametrize(("num_points", "run"), [(2**16, 30), (2**17, 100)])
+def test_blocks_whose_transforms_are_as_long_as_those_of_one_point_for_each(num_points, run):
+    """Both parts go through buffers of one length."""
+    split, symbol = split_and_symbol(num_points, 32)
+    some = (Nearby(split, np.arange(count), *np.zeros((2, num_points))) for count in range(1, run + 40))
+    near = next(one for one in some if one._length == split.num_blocks)
+    count = near.nodes.size // 32
+    pressure = np.random.default_rng(1).standard_normal((count, 32))
+    whole = np.append(pressure - pressure.mean(), np.zeros(num_points - 32 * count))
+    expected = np.fft.irfft(np.fft.rfft(whole) * symbol, num_points)[: 32 * count]
+    difference = near.apply(pressure - pressure.mean()).ravel() - expected
+    assert np.abs(difference - difference.mean()).max() <= 3 * split.error * np.ptp(expected)
+
+
 @pytest.mark.parametrize(("thickness", "nu"), LAYERS)
 @pytest.mark.parametrize(("num_points", "block"), [(2**14, 16), (48000, 15), (2**17, 32)])
 def test_response_in_real_space(num_points, block, thickness, nu):

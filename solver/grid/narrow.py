@@ -1,7 +1,7 @@
 """Where narrow patches end, from their loads, and narrow gaps: also those of a few nodes.
 
 Over a patch from m - a to m + a let g = h' - w' be the indenter's slope less that of the surface around it
-(`Surroundings`), and M_k the means of g(m + a t) t^k with the weight (1 - t^2)^-1/2 over -1 < t < 1. The patch then has
+(see below), and M_k the means of g(m + a t) t^k with the weight (1 - t^2)^-1/2 over -1 < t < 1. The patch then has
 
     the load P = pi/2 E* a M_1, and M_0 = 0
 

@@ -30,6 +30,7 @@ STYLE = {
     "ytick.direction": "in",
     "ytick.labelsize": 7,
     "savefig.dpi": 300,
+    "savefig.transparent": False,
     "text.usetex": False,  # a file's text is for no other program
 }
 

@@ -143,16 +143,18 @@ class Nearby:
     def apply(self, values: Array64) -> Array64:
         """G values, up to a constant; both on the nodes of the blocks, shape (B, block)."""
         split, near = self._split, self._near
-        blocks, coarse = pair(self._length), pair(self._split.num_blocks)
+        blocks = pair(self._length)
         packed = blocks.real.reshape(-1, split.block)
         packed[:] = 0
         packed[self._position] = values
         blocks.filter(near)
+        close = packed[self._position]
+        coarse = pair(split.num_blocks)  # the same one where the lengths are the same
         shares, coarse.real[:] = values @ split.weights, 0
         for column, share in zip(self._spread_to.T, shares.T, strict=True):
             coarse.real[column] += share  # no block twice in a column
         coarse.filter(split.far)
-        return np.asarray(packed[self._position] + coarse.real[self._spread_to] @ split.weights.T)
+        return np.asarray(close + coarse.real[self._spread_to] @ split.weights.T)
 
     def covers(self, nodes: Indices) -> bool:
         """Whether all these nodes are among those of the blocks."""
