@@ -7,7 +7,7 @@ A page says where a text from stored results is to stand, and which one, by two 
 
     <!-- report: peers -->  ...  <!-- end -->
 
-One line, `<!-- help -->` or `<!-- names -->`, says where the site has what the program itself tells (`made`).
+One line, `<!-- help -->` or `<!-- names -->`, says where the site has texts of the program itself (`made`).
 
 `report: NAME` is the report of a study on its results in studies/results; with patterns behind the name, parted by
 bars, only the tables whose titles match one of them, and for `sentences` all but tables; NAME=FILE is its report on

@@ -42,15 +42,16 @@ mean is the one with the weight (1 - t^2)^-1/2."""
 DEGREE, STENCIL = 6, 6
 """Of the polynomials around these, at most, and nodes through which heights are interpolated."""
 OF_FIELD, OF_OWN, OF_HEIGHTS, CAUSED = range(4)
-"""Places in `units`: what makes the field and a run's own values those of the equations, and heights where they are to
-be taken off (for gaps); from the last on, what a unit of own values takes off the field 0, 1, ... nodes away."""
+"""Places in `units`: factors from the field, from a run's own values and from heights to the equations' units, the last
+one 0 unless heights are taken off (for gaps); then the part of the field that a unit of own values takes off 0, 1, ...
+nodes away."""
 FIRST, SIZE, MARGIN, MOMENT, EXPONENT = range(5)
 """Rows of `runs`: first node; nodes; nodes to each side that are looked at, too, 0 where nothing is around; M_1 a^(1 +
 exponent), 0 for a gap, and its exponent."""
 MIDDLE, HALF_WIDTH, SOLVED, DEEPER, CENTRE, FOURTH, SIXTH = range(7)
 """Rows of `ends`: m and a, to begin with and in the end [grid spacings]; 1 where they solve the equations, else 0. Of
-patches: mean of what is around less the heights, with the weight of M_k; where the load acts. How little nodes tell of
-the heights between them: fourth and sixth over second differences."""
+patches: mean of the field around less the heights, with the weight of M_k; where the load acts. Fourth and sixth over
+second differences of the heights, which are large where nodes do not tell the heights between them."""
 CLOSE = 4e-4
 """Least half-width to begin with [grid spacings], and length of a step of Newton's method that needs no other, over the
 half-width or the spacing, the smaller one."""

@@ -126,6 +126,39 @@ def jaggedness(profile: Doubles, first: int, size: int):
     return wp.where(some, fourth / second, f64(wp.inf)), wp.where(some, sixth / second, f64(wp.inf))
 
 
+@wp.func
+def moments(profile: Doubles, powers: Doubles, fitted: Polynomial, nodes: int, middle: f64, gaps: bool, m: f64, a: f64):
+    """Sums over the samples of g and g t, see `narrow_ends`, and of g', g' t and g' t^2."""
+    m_0, m_1 = f64(0.0), f64(0.0)
+    by_m, by_both, by_a = f64(0.0), f64(0.0), f64(0.0)
+    for sample in range(SAMPLES):
+        t = wp.cos(ANGLE * (f64(sample) + f64(0.5)))
+        g, slope, bend = around(fitted, nodes, m + a * t - middle)
+        if not gaps:
+            _h, of_heights, bend_of_heights = heights(profile, powers, m + a * t)
+            g, slope = of_heights - slope, bend_of_heights - bend
+        m_0 += g
+        m_1 += g * t
+        by_m += slope
+        by_both += slope * t
+        by_a += slope * t * t
+    return m_0, m_1, by_m, by_both, by_a
+
+
+@wp.func
+def of_load(profile: Doubles, powers: Doubles, fitted: Polynomial, nodes: int, middle: f64, m: f64, a: f64):
+    """Of a patch, the mean of the field around it less the heights, and the place where the load acts."""
+    deeper, m_1, m_2 = f64(0.0), f64(0.0), f64(0.0)
+    for sample in range(SAMPLES):
+        t = wp.cos(ANGLE * (f64(sample) + f64(0.5)))
+        surface, slope, _bend = around(fitted, nodes, m + a * t - middle)
+        h, of_heights, _bend_of_heights = heights(profile, powers, m + a * t)
+        deeper += (surface - h) / ALL
+        m_1 += (of_heights - slope) * t
+        m_2 += (of_heights - slope) * t * t
+    return deeper, m + a * m_2 / m_1
+
+
 @wp.kernel
 def narrow_ends(
     profile: Doubles,
@@ -157,19 +190,7 @@ def narrow_ends(
     good, going_on = bool(False), bool(True)
     for turn in range(STEPS):
         if going_on:
-            m_0, m_1 = f64(0.0), f64(0.0)
-            by_m, by_both, by_a = f64(0.0), f64(0.0), f64(0.0)
-            for sample in range(SAMPLES):
-                t = wp.cos(ANGLE * (f64(sample) + f64(0.5)))
-                g, slope, bend = around(fitted, nodes, m + a * t - middle)
-                if not gaps:
-                    h, of_heights, bend_of_heights = heights(profile, powers, m + a * t)
-                    g, slope = of_heights - slope, bend_of_heights - bend
-                m_0 += g
-                m_1 += g * t
-                by_m += slope
-                by_both += slope * t
-                by_a += slope * t * t
+            m_0, m_1, by_m, by_both, by_a = moments(profile, powers, fitted, nodes, middle, gaps, m, a)
             wanted = ALL * moment * wp.pow(a, -power)
             f = m_1 - wanted
             by_a += power * wanted / a
@@ -187,19 +208,12 @@ def narrow_ends(
                 m -= part * wp.clamp(by_middle, -most, most)
                 a -= part * wp.clamp(by_width, -most, most)
     fourth, sixth = jaggedness(profile, first, size)
-    deeper, m_1, m_2 = f64(0.0), f64(0.0), f64(0.0)
-    for sample in range(SAMPLES):
-        t = wp.cos(ANGLE * (f64(sample) + f64(0.5)))
-        surface, slope, bend = around(fitted, nodes, m + a * t - middle)
-        h, of_heights, bend_of_heights = heights(profile, powers, m + a * t)
-        deeper += (surface - h) / ALL
-        m_1 += (of_heights - slope) * t
-        m_2 += (of_heights - slope) * t * t
+    deeper, centre = of_load(profile, powers, fitted, nodes, middle, m, a)
     ends[MIDDLE * count + run] = m
     ends[HALF_WIDTH * count + run] = a
     ends[SOLVED * count + run] = wp.where(good, f64(1.0), f64(0.0))
     ends[DEEPER * count + run] = deeper
-    ends[CENTRE * count + run] = m + a * m_2 / m_1
+    ends[CENTRE * count + run] = centre
     ends[FOURTH * count + run] = fourth
     ends[SIXTH * count + run] = sixth
 

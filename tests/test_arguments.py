@@ -181,7 +181,7 @@ def test_the_solvers_defaults_are_those_of_the_command_line():
 
 
 def imported(program, words, slow):
-    """The status of a program, and what of these it has imported."""
+    """The status of a program, and those of these modules that it has imported."""
     program += f"\nimport sys\nprint(status, [name for name in {slow} if name in sys.modules])"
     result = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, timeout=60)
     return result.stdout.splitlines()[-1]

@@ -128,7 +128,7 @@ def test_a_file_is_not_written_over_another_one_of_the_same_command(words, said,
 
 
 def scan_words(folder, columns, header=""):
-    """A command that solves the scene of a scan, but for its load."""
+    """A command that solves the scene of a scan, without its load."""
     np.savetxt(folder / "scan.csv", np.random.default_rng(0).random((40, columns)).cumsum(axis=0), header=header)
     return ["solve", "--profile", "file", "--profile-file", str(folder / "scan.csv"), "--contact-modulus", "1"]
 

@@ -102,7 +102,7 @@ class MPIPoolExecutor(ProcessPoolExecutor):
 """Stands in for mpi4py.futures, whose executor has the same methods."""
 
 FORKS = get_context("forkserver")
-FORKS.set_forkserver_preload([__name__, "h5py", "matplotlib.figure", "warp"])  # what all need is imported once
+FORKS.set_forkserver_preload([__name__, "h5py", "matplotlib.figure", "warp"])  # each imported once for all
 
 
 def do(steps, folder):

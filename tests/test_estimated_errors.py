@@ -333,7 +333,7 @@ def test_collocation_tells_the_accuracy_of_each(exponent):
 @pytest.mark.parametrize(
     ("layer", "load", "exponent", "radius", "accuracy"),
     [
-        # peak pressures at sharp tips change by less than what is left of their error
+        # peak pressures at sharp tips change by less than the rest of their error
         *((Layer(d, 0.3), 2e-3, n, 1.0, 1e-3) for d in (math.inf, 1.0, 0.03) for n in (1.3, 1.5, 2.5)),
         # near full contact areas on 150, 300 and 600 nodes change by 1.3e-3 and -4e-6, not by a quarter and a sixteenth
         (Layer(0.007, 0.25), 50.0, 1.07, 1e-6, 1e-5),
@@ -538,7 +538,7 @@ SMALL_BESIDE_LARGE = Scene(
         (Scene(Layer(0.016228, 0.499), FIVE_SPACINGS, 128.091, num_points=286), 16, None, 0, math.inf),
         # near full contact the gap between two nodes may be all that is off
         (Scene(Layer(0.1), NEARLY_FULL, 0.9194363195903827, num_points=512), 8, (2, 3), 0.29, 2),
-        # what a tip between the nodes leaves open moves the ends of all three patches
+        # a tip between the nodes leaves the ends of all three patches open
         *(
             (Scene(CoatedHalfSpace(d / n, base), PowerIndenter(exponent), load, num_points=n), 16, (3, 3), 0, 3)
             for d, base, exponent, load, n in SPLIT

@@ -141,7 +141,7 @@ def test_fire_that_bounces_off_the_wall_says_so():
 
 
 def test_heights_beyond_numbers():
-    """Squares of heights of 1e-150 underflow; a steep profile overflowed, and what lies beyond reach makes no
+    """Squares of heights of 1e-150 underflow; a steep profile overflowed, and heights beyond reach make no
     difference."""
     flat = solve(Scene(indenter=PowerIndenter(64.0, 250.0), num_points=16))
     coarse_grids_see_nothing = solve(Scene(Layer(), PowerIndenter(2, 1e16), 1.0, num_points=2**15))
@@ -157,7 +157,7 @@ def test_heights_beyond_numbers():
 
 
 def test_edges_do_not_pass_each_other():
-    """Contact but for one node: a_r between the edges was above 1."""
+    """Contact except at one node: a_r between the edges was above 1."""
     pit = np.zeros(512)
     pit[100] = 1
     found = solve(measured(pit, Layer(1.8e-8, 0.4), 5e4)).observables

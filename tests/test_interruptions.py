@@ -98,7 +98,7 @@ def kill_at_line(number):
 
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_killed_at_any_line_a_record_is_there_whole_or_not_at_all(folder):
-    """What random moments seldom hit. The task has failed before: its record follows on that."""
+    """A moment that random ones seldom hit. The task has failed before: its record follows on that."""
     task, record = Square(3), Square(3).run(None)
     results, found, status = tasks.TaskFolder(folder), [], None
     while status != 0:

@@ -37,7 +37,7 @@ def fields(rng, n):
 
 
 def fitted(field, own, caused, first, size, margin):
-    """What is around one run of nodes, see `narrow`, as a polynomial of the place."""
+    """The field around one run of nodes, see `narrow`, as a polynomial of the place."""
     nodes = np.arange(first - margin, first + size + margin)
     inside = np.arange(first, first + size)
     values = field[nodes] + caused[np.abs(nodes[:, None] - inside)] @ own[inside]

@@ -16,8 +16,8 @@ pytestmark = pytest.mark.once
 
 @pytest.mark.parametrize("sizes", [SIZES, (FOUNDATION, *SIZES)])
 def test_the_terms_add_up_to_the_mean_on_the_finest_grid(sizes):
-    """With the same surfaces for every term the sum is the plain mean, and so is its error. What a foundation adds to
-    the sum it takes away.
+    """With the same surfaces for every term the sum is the plain mean, with its error. A foundation takes away the part
+    that it adds to the sum.
     """
     samples = Samples(solved([allocation.Batch(0, 50, sizes)]), "kappa")
     found = estimator.estimate(samples, sizes, sizes)

@@ -1,4 +1,4 @@
-"""What the pages say in words of short examples, of limits in the source and of stored results: every sentence here is
+"""The sentences of the pages on short examples, of limits in the source and of stored results: every sentence here is
 composed from these, and must stand in the page, so a number that changes finds the sentences that it makes wrong."""
 
 import math

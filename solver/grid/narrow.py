@@ -57,7 +57,7 @@ class Surface:
     spacings: float
     """Grid spacings of a length."""
     scale: float
-    """What makes pressures those over E*."""
+    """Factor from pressures to those over E*."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,8 +45,8 @@ next_fast_len = pyfftw.next_fast_len
 _PATIENCE = 20.0  # s, for a plan that takes microseconds
 IN_PLACE = 2**18
 """Values, in float64, from which FFTW's real transforms take less time in place."""
-_TOO_LONG, _MOST_KEPT, _MOST_PAIRS = 2**22, 2**22, 64
-"""Values beyond which a pair is not kept; values, and pairs, that a thread keeps."""
+_TOO_LONG, _MOST_PAIRS = 2**22, 64
+"""Values of all pairs that a thread keeps, so that a longer one is never kept; and their number."""
 
 
 def library() -> str:
@@ -169,7 +169,7 @@ def pair(length: int) -> Pair:
     found = _kept.pairs.pop(length, None) or Pair(length)
     if length <= _TOO_LONG:
         _kept.pairs[length] = found
-        while len(_kept.pairs) > _MOST_PAIRS or sum(_kept.pairs) > _MOST_KEPT:
+        while len(_kept.pairs) > _MOST_PAIRS or sum(_kept.pairs) > _TOO_LONG:
             del _kept.pairs[next(iter(_kept.pairs))]
     return found
 
