@@ -21,16 +21,16 @@ from typing import ParamSpec, TypeVar
 _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
 
-DRAWING, IMPORTING, COMPILING, RECORDING, PLANNING = (threading.RLock() for _ in range(5))
+DRAWING, IMPORTING, COMPILING, RECORDING, PLANNING, LIMITING = (threading.RLock() for _ in range(6))
 """Of Matplotlib, whose settings all threads share; of the imports of the package's front, for a module that is half
 imported would stay so; of Warp's modules; of the launches that Warp records, beside which another launch would crash;
-and of FFTW's planner and wisdom."""
+of FFTW's planner and wisdom; and of the limit on BLAS threads."""
 
 _IMPORTED = "linecontact", "numpy", "pyfftw", "warp", "cupy", "h5py", "matplotlib", "rich", "SurfaceTopography", "bokeh"
 """Packages whose imports end before a fork."""
 
 _taken = threading.local()
-_ALL = (DRAWING, IMPORTING, COMPILING, RECORDING, PLANNING)
+_ALL = (DRAWING, IMPORTING, COMPILING, RECORDING, PLANNING, LIMITING)
 
 
 def _had_fftw() -> bool:

@@ -1,6 +1,5 @@
 """Arrays: names for their types, long ones part by part, nodes of a quadrature, and linear algebra on one thread."""
 
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -9,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
+
+from ..locks import LIMITING
 
 Array = NDArray[Any]
 """Real numbers in the precision that a method works in, float32 or float64."""
@@ -21,7 +22,8 @@ Modes = NDArray[np.complex128]
 
 _PART = 2**14  # values whose intermediate results stay in the cache
 _NODES = 200  # of Gauss-Legendre quadrature: smooth integrands to rounding
-_limiting = threading.Lock()  # held while `on_one_thread` has set the limit, which is the whole process's
+_inside = 0  # threads in `on_one_thread`
+_limit: Any = None  # of the whole process, which they share
 
 
 def chunks(length: int) -> Iterator[slice]:
@@ -49,14 +51,18 @@ def on_one_thread() -> Iterator[None]:
     that numbers that underflow are no error; the user's settings are back afterwards.
 
     Its matrices are small, and where cores are busy its threads wait for each other. Where several threads are here,
-    the first of them sets the limit and takes it back at its end.
+    the first of them sets the limit and the last one takes it back, so that all sum in the same order.
     """
+    global _inside, _limit
     with np.errstate(divide="warn", over="warn", under="ignore", invalid="warn"):
-        if not _limiting.acquire(blocking=False):
-            yield
-            return
+        with LIMITING:
+            if not _inside:
+                _limit = _libraries().limit(limits=1, user_api="blas")
+            _inside += 1
         try:
-            with _libraries().limit(limits=1, user_api="blas"):
-                yield
+            yield
         finally:
-            _limiting.release()
+            with LIMITING:
+                _inside -= 1
+                if not _inside:
+                    _limit.restore_original_limits()
